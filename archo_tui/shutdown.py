@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import signal
-from collections.abc import Awaitable, Callable
+import threading
+from collections.abc import Awaitable, Callable, Iterator
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
 from archo_tui.robot.state.goal import Goal
-from archo_tui.system import END_SIGNALS
+from archo_tui.system import CAN_SUSPEND, END_SIGNALS
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot
@@ -140,3 +142,28 @@ def ignore_signals() -> None:
     for number in END_SIGNALS:
         if signal.getsignal(number) == _first_signal.on_signal:
             signal.signal(number, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def nothing_published_while_suspended(robot: Robot) -> Iterator[None]:
+    """End what this process publishes before SIGTSTP (ctrl+z) suspends it.
+
+    A process that stands still reads no STOP. Does nothing in a thread that gets no signals.
+    """
+    if not CAN_SUSPEND or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def suspend(number: int, _frame: object) -> None:
+        robot.end_publications_now()
+        signal.signal(number, before)
+        os.kill(os.getpid(), number)
+        signal.signal(number, suspend)
+
+    before = signal.getsignal(signal.SIGTSTP)
+    if before == signal.SIG_DFL:  # Else it is ignored, or another part of a test has its own.
+        signal.signal(signal.SIGTSTP, suspend)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTSTP, before)

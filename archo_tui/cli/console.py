@@ -136,7 +136,7 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
     """Take commands line by line from `stdin` until its end; what nodes print becomes events."""
     from archo_tui.console import plain
     from archo_tui.imports import OF_ALL, import_the_rest
-    from archo_tui.shutdown import heed_signals
+    from archo_tui.shutdown import heed_signals, nothing_published_while_suspended
     from archo_tui.user_code.output import NodeOutput
 
     if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.
@@ -150,7 +150,8 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
     import_the_rest(OF_ALL)
     gc.enable()
     # None if it is closed: its descriptor may belong to another file now.
-    return plain.run(session.station, None if stdin is None else stdin.fileno())
+    with nothing_published_while_suspended(session.robot):
+        return plain.run(session.station, None if stdin is None else stdin.fileno())
 
 
 def _run_screen(session: Session, stdin: TextIO | None) -> int:

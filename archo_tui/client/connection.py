@@ -108,6 +108,7 @@ class Connection:
     def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.
 
+        Beats are answered, by which the console knows that this process is not suspended.
         Never ends without an error: Silent after `timeout` s, counted from the first `next`, or
         Unreached.
         """
@@ -117,7 +118,11 @@ class Connection:
                 data, found, rest = self._buffer.partition(b"\n")
                 if found:
                     self._buffer = rest
-                    yield decode(data)
+                    message = decode(data)
+                    if "beat" in message:
+                        self.send({"beat": True})
+                    else:
+                        yield message
                     continue
                 self.socket.settimeout(None if end is None else max(end - time.monotonic(), 0.001))
                 chunk = self.socket.recv(65536)

@@ -221,17 +221,13 @@ class Suspend(Command):
     def disabled_reason(self, console: Console) -> str:
         return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
-    def run(self, console: Console) -> Work | None:
+    def run(self, console: Console) -> None:
         goal = console.station.running_goal
         if goal is None or console.station.attached:
-            return self._suspend(console)
+            console.action_suspend_process()
+            return
         question = f"The robot is {activity(goal)}; its nodes would pause."
-        console.confirm("Suspend", question, "Stay", {"Suspend": partial(self._suspend, console)})
-        return None
-
-    async def _suspend(self, console: Console) -> None:
-        await console.station.robot.end_publications()  # A suspended console reads no STOP.
-        console.action_suspend_process()
+        console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
 
 
 # Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.

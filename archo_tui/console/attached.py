@@ -16,6 +16,7 @@ from archo_tui.console.session import RequestHandler
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.shutdown import nothing_published_while_suspended
 from archo_tui.station.station import Station
 from archo_tui.text.state import elsewhere_text
 from archo_tui.verbs.verb import ROBOT_TIMEOUT
@@ -35,7 +36,8 @@ def attached(
     with make_session() as session:
         connection = InProcessConnection(session.station)
         try:
-            yield connection
+            with nothing_published_while_suspended(session.station.robot):
+                yield connection
         finally:
             connection.close()
 
@@ -108,6 +110,7 @@ class InProcessConnection:
     # The client of the request handler, on the loop.
 
     requester = ask = None
+    is_process_apart = False
 
     def reply(self, reply: dict[str, Any]) -> None:
         self._replies.put(reply)

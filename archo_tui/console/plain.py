@@ -86,6 +86,7 @@ class Plain:
     """
 
     pid, requester = 0, YOU
+    is_process_apart = False
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
         """Create the frontend; `run` reads and writes, and the descriptors stay open."""

@@ -44,6 +44,9 @@ _MAX_STOPS = 1000  # STOPs that are answered: of a flood the last ones.
 _REQUEST_INTERVAL = 0.02  # Seconds between two requests of one client.
 _ANSWER_TIMEOUT = 60.0  # Seconds for a person at a shell to answer a question.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of work that was called off.
+_BEAT_PERIOD = 0.2  # Seconds between two beats, which a client answers while what it began lasts.
+_MAX_MISSED_BEATS = 5
+_SUSPENDED = "ended: this program gave no sign for 1 s"
 RAN_OUT = "ran_out"  # In place of an outcome's code: the client's timeout is over.
 
 
@@ -71,6 +74,10 @@ class Client(Protocol):
     @property
     def is_behind(self) -> bool:
         """True while the client has not read all replies."""
+
+    @property
+    def is_process_apart(self) -> bool:
+        """True if it may be suspended while the console goes on."""
 
 
 class RequestHandler:
@@ -177,7 +184,9 @@ class RequestHandler:
 
     async def _pass_answer(self, client: Client, answer: dict[str, Any]) -> None:
         session = self._session_of(client)
-        if not answer.get("give_up"):
+        if "beat" in answer:
+            session.missed_beats = 0
+        elif not answer.get("give_up"):
             session.answer(answer.get("answer") is True)
         elif not await session.give_up():
             client.reply(_result(None, Outcome(Code.DONE, "it had ended")))
@@ -219,6 +228,7 @@ class Session:
         self._calls_service = False
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
+        self.missed_beats = 0  # Since the client's last sign.
         self._is_called_off = False  # True once the task was cancelled to call its request off.
 
     def answer(self, is_yes: bool) -> None:
@@ -282,6 +292,8 @@ class Session:
             station.robot.note("ERROR", "console", f"{self.requester.source}: {text}")
             return _result(number, Outcome(Code.REFUSED, text))
         except asyncio.CancelledError:
+            if self.missed_beats >= _MAX_MISSED_BEATS:
+                return _result(number, Outcome(Code.CANCELLED, _SUSPENDED))
             if self._is_called_off:
                 text = NOT_TAKEN_BACK if self._calls_service else CALLED_OFF
                 return _result(number, Outcome(Code.CANCELLED, text))
@@ -313,7 +325,7 @@ class Session:
                 raise RequestTimedOut(f"{over}: the robot may still do it")
             return await self._call_off_late(work, over)
         finally:
-            if not self._keeps_goals:
+            if self._is_read_only or not self._keeps_goals:
                 work.cancel()
 
     async def _call_off_late(
@@ -369,7 +381,13 @@ class Session:
         by_reply = partial(self._ask, number, request.get("person") is True)
         ask = None if yes else self._client.ask or by_reply
         requester = self.requester
-        outcome = await run_when_ready(station, verb, values, ask)
+        beats = verb.lasts and self._client.is_process_apart
+        watch = asyncio.ensure_future(self._end_without_beats(number)) if beats else None
+        try:
+            outcome = await run_when_ready(station, verb, values, ask)
+        finally:
+            if watch is not None:
+                watch.cancel()
         station.refresh()
         if requester is not YOU and requester.ends:
             self._sent = requester.ends
@@ -390,6 +408,18 @@ class Session:
                 data["result"] = await in_daemon(message_as_json, requester.goal.result)
                 result["tells"] = True
         return result if data is None else {**result, "data": data}
+
+    async def _end_without_beats(self, number: Any) -> None:
+        """Call the request off once the client has left five beats unanswered: it is suspended.
+
+        A program that waits for a person's answer reads nothing meanwhile, and is not judged.
+        """
+        while self.missed_beats < _MAX_MISSED_BEATS:
+            if self._answer is None:
+                self._client.reply({"id": number, "beat": True})
+            await self._station.clock.sleep(_BEAT_PERIOD)
+            self.missed_beats += self._answer is None
+        self._cancel_task()
 
     async def _follow(self, number: Any, word: str, words: list[str], *, as_text: bool) -> None:
         """Send the client events, or messages of a topic, until the task is cancelled."""

@@ -48,6 +48,7 @@ class SocketClient:
     """A connected program: the requests of it that wait, and the replies that it has not read."""
 
     requester = ask = None  # It acts for itself, and is asked by a reply.
+    is_process_apart = True
 
     def __init__(self, server: Server, connected: socket.socket) -> None:
         self._server, self._socket = server, connected
@@ -155,7 +156,9 @@ class SocketClient:
         elif request is None:
             text = "expected a JSON object in a line, its id a number or text"
             self._refuse(None, text, "misuse")
-        elif "give_up" in request or ("answer" in request and self._is_busy):
+        elif any(sign in request for sign in ("give_up", "beat")) or (
+            "answer" in request and self._is_busy
+        ):
             handler.on_answer(self, request)
         else:
             self._serve_in_turn(request, stops.count, len(line))

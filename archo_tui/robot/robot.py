@@ -173,6 +173,7 @@ class Robot(Parts):
 
     publish = publish_requests.publish
     end_publications = publish_requests.end_publications
+    end_publications_now = publish_requests.end_publications_now
 
     form = topic_requests.form
     inspect = topic_requests.inspect

@@ -168,6 +168,10 @@ class TerminalApp(App[None]):
             except Exception as error:  # Outside of Textual's queue nobody else handles it.
                 self._handle_exception(error)
 
+    def before_suspend(self) -> None:
+        """End what this console publishes: a process that is suspended reads no STOP."""
+        self.station.robot.end_publications_now()
+
     def stop_now(self, event: events.Key) -> None:
         """Stop the robot, because the key of STOP was pressed; a subclass has to define it."""
         raise NotImplementedError

@@ -53,6 +53,9 @@ class DriverApp(StopKeyOwner, Protocol):
     def repaint(self) -> None:
         """Draw everything again, because frames were dropped."""
 
+    def before_suspend(self) -> None:
+        """End what must not go on while this process is suspended."""
+
     def stop_typed(self, message: Message) -> None:
         """Stop the robot at once, before any key that waits."""
 
@@ -235,6 +238,10 @@ class SteadyDriver(LinuxDriver):
     @property
     def is_stuck(self) -> bool:
         return self._writer is not None and self._writer.is_stuck
+
+    def _sigtstp_application(self, *_: Any) -> None:
+        cast(DriverApp, self._app).before_suspend()
+        super()._sigtstp_application()
 
     def _sigcont_application(self, *_: Any) -> None:
         if self._auto_restart and not self._started:

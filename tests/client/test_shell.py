@@ -11,9 +11,11 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
+from rclpy.node import Node
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
@@ -316,6 +318,32 @@ def test_what_asks_is_answered_at_the_callers_terminal(
         assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
     finally:
         script.close()
+
+
+async def test_what_a_suspended_shell_publishes_ends_with_no_speed() -> None:
+    geometry = pytest.importorskip("geometry_msgs.msg")
+    speeds: list[float] = []
+
+    class Driven(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("driven", **options)
+            self.create_subscription(geometry.Twist, "cmd_vel", self.on_speed, 10)
+
+        def on_speed(self, message: Any) -> None:
+            speeds.append(message.linear.x)
+
+    words = "pub", "cmd_vel", "linear.x=0.5", "--rate", "20", "--yes"
+    async with served(Driven) as person:
+        command = [sys.executable, "-m", "archo_tui", *words]  # Suspended, so no fork of another.
+        shell = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        await until(lambda: len(speeds) > 30)  # It lasts while the shell answers.
+        shell.send_signal(signal.SIGSTOP)
+        await until(lambda: speeds[-1] == 0.0)
+        await heard(person, "pub cmd_vel: ended by its requester")
+        shell.send_signal(signal.SIGCONT)
+        said = await ended(shell)
+        assert (said.code, "this program gave no sign for 1 s" in said.err) == (5, True)
+        assert speeds[-1] == 0.0
 
 
 def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:

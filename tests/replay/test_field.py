@@ -50,6 +50,7 @@ async def test_pose_parts_and_recorded_topics_are_in_the_recording() -> None:
         path = await written(op)
     bag = BagFile(path)
     async with replay(path) as watcher:
+        watcher.app.before_suspend()  # As ctrl+z has it called.
         await watcher.show(watcher.player.end)
         assert "x 1.2  y 0.4  90°  map" in watcher.text
         assert "base: left motor" in watcher.text

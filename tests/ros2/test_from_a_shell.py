@@ -55,6 +55,36 @@ def test_ctrl_c_cancels_its_goal(processes: Processes) -> None:
     assert (drives.returncode, "Cancelled" in err) == (130, True)
 
 
+DRIVEN = """
+import rclpy
+from geometry_msgs.msg import Twist
+rclpy.init()
+node = rclpy.create_node("driven")
+node.create_subscription(Twist, "cmd_vel", lambda speed: print(speed.linear.x, flush=True), 10)
+rclpy.spin(node)
+"""
+
+
+def test_ctrl_z_ends_what_it_publishes_with_no_speed(processes: Processes) -> None:
+    command = [sys.executable, "-c", DRIVEN]
+    with subprocess.Popen(
+        command, env=processes.environment, stdout=subprocess.PIPE, text=True
+    ) as driven:
+        assert driven.stdout is not None
+        try:
+            drives = begun(processes, "pub", "cmd_vel", "linear.x=0.5", "--rate", "20", "--yes")
+            assert [float(driven.stdout.readline()) for _ in range(20)] == [0.5] * 20
+            drives.send_signal(signal.SIGTSTP)
+            while float(driven.stdout.readline()):
+                pass
+            drives.send_signal(signal.SIGCONT)
+            _, err = drives.communicate(timeout=DEADLINE)
+            assert (drives.returncode, "ended by a pause" in err) == (5, True)
+        finally:
+            drives.kill()
+            driven.kill()
+
+
 def test_without_a_robot_it_is_one_line(processes: Processes) -> None:
     where = f"on domain {processes.domain} (rmw_fastrtps_cpp, discovery LOCALHOST): "
     code, out, err = ended(processes, "status")

@@ -42,7 +42,7 @@ KNOWN = {
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
     "_get_renders _regions_to_spans _styles_cache",
     "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
-    "_sigcont_application _writer_thread",
+    "_sigcont_application _sigtstp_application _writer_thread",
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
     "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",

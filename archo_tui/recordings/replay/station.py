@@ -159,6 +159,9 @@ class RecordedRobot:
     async def stop_sending_goals(self) -> None:
         """Do nothing: a recorded robot is sent no goals."""
 
+    def end_publications_now(self) -> None:
+        """Do nothing: a recorded robot is sent no messages."""
+
     async def emergency_stop(self) -> Outcome:
         """Refuse: a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)

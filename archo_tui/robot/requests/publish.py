@@ -21,6 +21,8 @@ from archo_tui.robot.topics.publications import Publication
 from archo_tui.robot_file import check
 
 _CANCEL = "cancel"  # Why one was ended.
+_PAUSE = "a pause of the console"
+_LONGEST_BLOCK = 0.5  # Seconds.
 _POLL_PERIOD = 0.02  # Seconds between two looks whether it has ended.
 
 
@@ -122,3 +124,19 @@ async def end_publications(robot: Parts) -> str:
         with contextlib.suppress(TimeoutError):
             return await robot.thread.run(there, calls.DEADLINE)
     return ""
+
+
+def end_publications_now(robot: Parts) -> None:
+    """End all that this console publishes, and block until it is done, 0.5 s at most.
+
+    Any thread but that of ROS; also in a signal handler.
+    """
+    done = threading.Event()
+
+    def end() -> None:
+        robot.publications.end_all(_PAUSE)
+        done.set()
+
+    if robot.publications.active:
+        robot.thread.submit(end)
+        done.wait(_LONGEST_BLOCK)
