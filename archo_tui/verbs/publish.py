@@ -10,7 +10,7 @@ from archo_tui.ros_names import parse_type
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.verbs.names import fields_of, full_name, topic_names, topics_of, type_of
-from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb
+from archo_tui.verbs.verb import ROBOT_TIMEOUT, Argument, NotPossible, Question, Values, Verb
 
 RATE, TIMES = "--rate", "--times"
 MAX_RATE = 100.0  # Hz
@@ -38,6 +38,13 @@ class Publish(Verb):
         given = dict(super().values(words))
         rate, times = frequency(given.pop(RATE, None), given.pop(TIMES, None))
         return {**given, "rate": rate, "times": times}
+
+    def is_found(self, station: Station, values: Values) -> bool:
+        """Return False while subscribers of a topic whose type was typed may still come."""
+        if not station.attached or station.age >= ROBOT_TIMEOUT:
+            return True
+        found = [*topic_names(station, ())]
+        return full_name(station.robot.snapshot, values["topic"], found) in found
 
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot = station.robot.snapshot

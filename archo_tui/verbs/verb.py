@@ -377,9 +377,10 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
     """Return the values for a verb's `question` and `run`, or why it is refused.
 
     What is refused is tried again until the robot is settled, for a missing name at least until
-    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT; at any time, both are waited
-    for while a node that runs here is not on the graph yet. Raises what `prepare` raises, and Void
-    if a STOP was read meanwhile, unless the verb changes nothing or survives a STOP.
+    DISCOVERY_TIME, and until ROBOT_TIMEOUT for a missing `service`, or for a name of a robot that
+    runs elsewhere; at any time, both are waited for while a node that runs here is not on the graph
+    yet. Raises what `prepare` raises, and Void if a STOP was read meanwhile, unless the verb
+    changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
     if acts and station.robot.watching:
@@ -402,7 +403,8 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
             # A node that the robot file does not name may be found after those that it names.
             is_name = isinstance(fault, NotOnGraphError)
             is_offered = not verb.service or verb.service in station.robot.snapshot.offered
-            may_come = not is_offered or (is_name and station.age < DISCOVERY_TIME)
+            may_come = is_name and (station.attached or station.age < DISCOVERY_TIME)
+            may_come |= not is_offered
             is_hosted = (is_name or not is_offered) and not requester.has_left
             is_hosted = is_hosted and _awaits_hosted(station, waited)
             if not is_hosted and (is_last or (is_settled(station) and not may_come)):

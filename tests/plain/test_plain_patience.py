@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from archo_tui.robot.state.snapshot import Hosted, Life
 from tests.support.clock import seconds
@@ -83,6 +84,26 @@ async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
         person.type(f"{line}\nnodes\n")
         await person.until("alone up")
         assert seconds() - began < 2.0
+
+
+class LateSubscriber(Node):
+    """Subscribes to `words` 3 s after the start."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.timer = self.create_timer(3.0, self.subscribe)
+
+    def subscribe(self) -> None:
+        self.timer.cancel()
+        self.create_subscription(String, "words", lambda _: None, 10)
+
+
+@pytest.mark.parametrize("kind", ["", "std_msgs/msg/String "])
+async def test_a_topic_of_a_robot_elsewhere_is_waited_for(kind: str) -> None:
+    async with operated(LateSubscriber) as person:
+        person._plain._station.attached = True
+        person.type(f"pub words {kind}data=x --yes\n")
+        await person.until("pub words: published; 1 subscriber\n")
 
 
 class Late(Node):
