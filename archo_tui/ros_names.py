@@ -10,6 +10,16 @@ KINDS = ("msg", "srv", "action")
 _TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]{0,99})")
 
 
+# As rcl and rmw want topics, services and actions, in a namespace or absolute.
+_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+_MAX_NAME = 247  # Characters: RMW_TOPIC_MAX_NAME_LENGTH.
+
+
+def is_name(text: str) -> bool:
+    """Return True if a topic, service or action can be called so."""
+    return len(text) <= _MAX_NAME and _NAME.fullmatch(text) is not None
+
+
 class InterfaceType(NamedTuple):
     """The parts of a type such as `std_msgs/msg/String`; its text is the type again."""
 

@@ -20,9 +20,8 @@ from archo_tui.robot_file.model import (
     fields_of,
 )
 from archo_tui.robot_file.reserved import RESERVED
-from archo_tui.ros_names import parse_type
+from archo_tui.ros_names import is_name, parse_type
 
-_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # The names that rclpy accepts.
 _ID = re.compile(r"[a-z][a-z0-9_]*")
 _READINGS = ("battery.charging", "motion.moving", "motion.stopped", "ask")
 
@@ -99,7 +98,7 @@ def _name_faults(robot: RobotFile) -> Faults:
         if robot.stop.release:
             names.append((robot.stop.where, robot.stop.release))
     for where, name in names:
-        if not _NAME.fullmatch(name):
+        if not is_name(name):
             yield where, f"{name!r} is not a name of a topic, service or action"
 
 

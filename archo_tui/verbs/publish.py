@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.ros_names import parse_type
+from archo_tui.ros_names import is_name, parse_type
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.verbs.names import fields_of, full_name, topic_names, topics_of, type_of
@@ -36,6 +36,8 @@ class Publish(Verb):
     def values(self, words: Sequence[str]) -> Values:
         """Return `topic`, `field=value`, and `rate` and `times` as `frequency` does."""
         given = dict(super().values(words))
+        if not is_name(given["topic"]):
+            raise ValueError(f"{given['topic']!r} is not a name of a topic, such as /cmd_vel")
         rate, times = frequency(given.pop(RATE, None), given.pop(TIMES, None))
         return {**given, "rate": rate, "times": times}
 

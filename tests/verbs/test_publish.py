@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 from archo_bringup.battery_monitor import BatteryMonitor
 from archo_bringup.motor_controller import MotorController
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from archo_tui.commands.generic import _publish_values
@@ -125,7 +127,31 @@ async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:
         await typed(person, "pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
         await typed(person, "pub /_hid std_msgs/msg/String --yes", "nothing is published there")
         await typed(person, "pub new std_msgs/msg/String --yes", "published; no subscribers")
+        now = (
+            "this console has /new as std_msgs/msg/String now: it cannot publish std_msgs/msg/Bool"
+        )
+        await typed(person, "pub new std_msgs/msg/Bool --yes", f"failed: pub: {now} there as well")
         assert len(heard) == 4
+
+
+@pytest.mark.parametrize("name", ["'a b'", "/1x", "a//b", "a/", "''", "/", "~/x", "x" * 248])
+def test_a_name_that_no_topic_can_have_is_misuse(name: str) -> None:
+    with pytest.raises(ValueError, match="is not a name of a topic, such as /cmd_vel"):
+        Publish().values([name.strip("'"), "std_msgs/msg/String"])
+
+
+async def test_subscribers_that_get_nothing_are_counted_apart() -> None:
+    class Unfit(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("unfit", **options)
+            timely = QoSProfile(depth=10, deadline=Duration(seconds=0.1))
+            self.create_subscription(String, "words", print, timely)
+            self.create_subscription(String, "words", print, 10)
+
+    async with operated(Unfit) as person:
+        await is_seen(person)
+        one = "published; 1 subscriber; 1 of another type or QoS"
+        await typed(person, "pub words data=a --yes", one)
 
 
 async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:

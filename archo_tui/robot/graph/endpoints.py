@@ -6,6 +6,7 @@ An end is a publisher or a subscription, given as rclpy's `TopicEndpointInfo`. N
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -23,6 +24,7 @@ _HEARS_NOTHING = "{} hears nothing of {} on {}: {}"
 _MISREADS = "{} may misread {} on {}: {}"
 _SHOWN = 8  # Digits of a type hash; enough to tell two versions of a type apart.
 _OWN = "this console"
+_ENDLESS = 10**18  # Nanoseconds; rmw reports more where no deadline is asked for.
 DEPTH = 10  # Messages that wait, as in rclpy's examples.
 
 
@@ -97,6 +99,14 @@ def mismatches(
             for (name, what, reason, remedy), them in found.items()
         )
     )
+
+
+def is_matched(kind: str, qos: QoSProfile, subscription: Any) -> bool:
+    """Return True if a subscription gets what is published as a type, by a QoS without deadline."""
+    deadline = subscription.qos_profile.deadline.nanoseconds
+    asks_deadline = 0 < deadline < _ENDLESS
+    publisher = SimpleNamespace(topic_type=kind, qos_profile=qos)
+    return not asks_deadline and _unmatched(publisher, subscription) is None
 
 
 def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:

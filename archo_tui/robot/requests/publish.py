@@ -84,8 +84,9 @@ async def publish(
         begun.append(publication)
         if publication.ended:
             return _outcome(publication)
-        heard = robot.publications.subscriber_count(topic)
+        heard, unfit = robot.publications.subscriber_counts(publication)
         who = f"{heard or 'no'} subscriber{'s' * (heard != 1)}"
+        who += f"; {unfit} of another type or QoS" if unfit else ""
         if publication.is_over:
             return Outcome(Code.DONE, f"published; {who}")
         return Outcome(Code.ACCEPTED, f"publishing at {rate:g} Hz; {who}")

@@ -13,11 +13,13 @@ from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
 from archo_tui.clock import Clock
+from archo_tui.errors import ArchoError
 from archo_tui.robot.calls import Services
+from archo_tui.robot.graph.endpoints import is_matched
 from archo_tui.robot.messages.types import name_of
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
-_LONGEST_GAP = 0.5  # Seconds without a look: this process was suspended, and read no STOP.
+_LONGEST_GAP = 1.0  # Seconds without a look: this process was suspended, and read no STOP.
 _LINGER = 0.5  # Seconds that a publisher stays behind its last message, which may be on its way.
 _FIND_TIME = 1.0  # Seconds in which a subscriber is found before the first message.
 _FIND_PERIOD = 0.05
@@ -31,6 +33,7 @@ class Publication:
     def __init__(
         self,
         publisher: Any,
+        qos: QoSProfile,
         message: Any,
         rate: float,
         times: int | None,
@@ -39,6 +42,7 @@ class Publication:
         stamp: Callable[[], Any] | None,  # Returns the time for the header; None: it is typed.
     ) -> None:
         self.publisher, self.message, self.rate, self.times = publisher, message, rate, times
+        self.qos = qos
         self.why_end, self.on_end, self._stamp = why_end, on_end, stamp
         self.topic: str = publisher.topic_name
         self.timers: list[Any] = []
@@ -82,7 +86,14 @@ class Publications:
 
         `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
         """
-        infos = self._subscriptions(topic)
+        kind = name_of(type(message))
+        ends = (*self._node.get_publishers_info_by_topic(topic), *self._ends(topic))
+        own = self._node.get_name()
+        others = {end.topic_type for end in ends if end.node_name == own} - {kind}
+        if others:  # Of a topic, DDS lets a participant have one type.
+            why = f"this console has {topic} as {', '.join(sorted(others))} now"
+            raise ArchoError(f"{why}: it cannot publish {kind} there as well")
+        infos = [end for end in self._subscriptions(topic) if end.topic_type == kind]
         kept = QoSDurabilityPolicy.TRANSIENT_LOCAL
         is_kept = any(info.qos_profile.durability == kept for info in infos)
         durability = kept if is_kept else QoSDurabilityPolicy.VOLATILE
@@ -90,7 +101,7 @@ class Publications:
         publisher = self._node.create_publisher(type(message), topic, qos)
         stamp = self._node.get_clock().now if takes_time else None
         publication = Publication(
-            *(publisher, message, rate, times, why_end, on_end),
+            *(publisher, qos, message, rate, times, why_end, on_end),
             None if stamp is None else lambda: stamp().to_msg(),
         )
         self.active = (*self.active, publication)
@@ -126,13 +137,20 @@ class Publications:
             ]
         return publication
 
+    def _ends(self, topic: str) -> list[Any]:
+        ends: list[Any] = self._node.get_subscriptions_info_by_topic(topic)
+        return ends
+
     def _subscriptions(self, topic: str) -> list[Any]:
         """Return the subscriptions of other nodes."""
-        infos = self._node.get_subscriptions_info_by_topic(topic)
-        return [info for info in infos if info.node_name != self._node.get_name()]
+        return [end for end in self._ends(topic) if end.node_name != self._node.get_name()]
 
-    def subscriber_count(self, topic: str) -> int:
-        return len(self._subscriptions(topic))
+    def subscriber_counts(self, publication: Publication) -> tuple[int, int]:
+        """Return how many subscriptions get the messages, and how many others the topic has."""
+        kind, qos = name_of(type(publication.message)), publication.qos
+        ends = self._subscriptions(publication.topic)
+        matched = sum(is_matched(kind, qos, end) for end in ends)
+        return matched, len(ends) - matched
 
     def end(self, publication: Publication, why: str) -> None:
         """End one, unless it is over; a speed is followed by no speed if it is ended early."""
