@@ -18,6 +18,7 @@ from archo_tui.commands.base import (
 from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
+from archo_tui.station.station import Station
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
 from archo_tui.verbs.show import ShowDiagnostics, forget
@@ -238,20 +239,29 @@ _STAYS_STOPPED = (
 _STAYS_OPEN = "The STOP is not confirmed, and once this console has ended nobody repeats it."
 
 
+def _ends_of_publications(station: Station) -> list[str]:
+    """Return a sentence for each message that this console publishes at a rate."""
+    active = station.robot.publications.active
+    return [f"{publication.text}, ends with this console." for publication in active]
+
+
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; if a goal runs, asks first and cancels it"
 
     def run(self, console: Console) -> Work | None:
         goal, station = console.station.running_goal, console.station
+        published = _ends_of_publications(station)
         if goal is None:
             # A goal may be on its way to the robot, so the choice still matters.
             end = partial(self._end, console, station.on_disconnect)
-            snapshot = station.robot.snapshot
-            if not (station.attached and snapshot.is_stopped):
+            snapshot, told = station.robot.snapshot, published
+            if station.attached and snapshot.is_stopped:
+                stays = _STAYS_OPEN if snapshot.open_stop is not None else _STAYS_STOPPED
+                told = [stays, *published]
+            if not told:
                 return end()
-            text = _STAYS_OPEN if snapshot.open_stop is not None else _STAYS_STOPPED
-            console.confirm("Quit", text, "Stay", {"Quit": end})
+            console.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
             return None
         if not goal.mine:
             self._leave_another(console)
@@ -259,7 +269,8 @@ class Quit(Command):
         answers: Answers = {"Cancel goal and quit": partial(self._end, console, CANCEL)}
         if station.attached:
             answers = {**answers, "Leave it running and quit": partial(self._end, console, LEAVE)}
-        console.confirm("Quit", f"The robot is {activity(goal)}.", "Stay", answers)
+        text = " ".join((f"The robot is {activity(goal)}.", *published))
+        console.confirm("Quit", text, "Stay", answers)
         return None
 
     async def _end(self, console: Console, choice: str) -> None:
@@ -275,7 +286,8 @@ class Quit(Command):
         station = console.station
         nodes = "the nodes of this console would end with it"
         what = "it keeps running" if station.attached else nodes
-        question = f"Another client's goal is running: {what}."
+        running = f"Another client's goal is running: {what}."
+        question = " ".join((running, *_ends_of_publications(station)))
         end = partial(self._end, console, station.on_disconnect)
         console.confirm("Quit", question, "Stay", {"Quit": end})
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -65,6 +66,20 @@ async def test_quitting_while_stopped_says_what_becomes_of_the_stop(state: str, 
         assert said in " ".join(shown.replace("┃", " ").split())
         await it.press("escape", "q", "tab", "enter")
         assert not it.app.is_running
+
+
+@pytest.mark.parametrize("state", ["normal", "motor moving"])
+async def test_quitting_says_that_what_is_published_ends(state: str) -> None:
+    it = Asked()
+    robot: Any = it.app.station.robot
+    robot.snapshot = STATES[state]
+    published = SimpleNamespace(text="pub /words, at 10 Hz")
+    robot.publications = SimpleNamespace(active=(published,))
+    async with it.app.run_test(size=(120, 36)):
+        shown = " ".join((await it.press("q")).replace("┃", " ").split())
+        assert "pub /words, at 10 Hz, ends with this console." in shown
+        await it.press("escape")
+        assert it.app.is_running
 
 
 async def test_nodes_of_this_process_cannot_be_left_running() -> None:
