@@ -116,7 +116,8 @@ KINDS = (
         has_text=True,
     ),
     Kind("topic silent", _MED, when.topic_silent, 10.0, is_reported=True, is_silence=True),
-    Kind("topic rate", _LOW, when.topic_rate, 5.0, 5.0, is_reported=True),
+    Kind("topic slow", _LOW, when.topic_slow, 5.0, 5.0, is_reported=True),
+    Kind("topic fast", _LOW, when.topic_fast, 5.0, 5.0, is_reported=True),
     Kind(
         *("frame silent", _MED, when.frame_silent, 5.0),
         is_reported=True,

@@ -293,16 +293,26 @@ def topic_silent(seen: Situation) -> Found:
             yield topic, f"{topic} IS SILENT for {silent}: expected {rule.rate:g} Hz"
 
 
-def topic_rate(seen: Situation) -> Found:
-    for topic, rule, rate in _rated(seen):
-        hertz, due = None if rate is None else rate.hertz, rule.rate or 0.0
-        if rate is None or hertz is None or seen.now - rate.heard > _silence(rule):
-            continue
-        share = f"{rule.tolerance:.0%}"
+def topic_slow(seen: Situation) -> Found:
+    for topic, rule, hertz, due in _heard(seen):
         if hertz < due * (1 - rule.tolerance):
+            share = f"{rule.tolerance:.0%}"
             yield topic, f"{topic} IS TOO SLOW, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
-        elif hertz > due * (1 + rule.tolerance):
+
+
+def topic_fast(seen: Situation) -> Found:
+    for topic, rule, hertz, due in _heard(seen):
+        if hertz > due * (1 + rule.tolerance):
+            share = f"{rule.tolerance:.0%}"
             yield topic, f"{topic} IS TOO FAST, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+
+
+def _heard(seen: Situation) -> Iterator[tuple[str, TopicRule, float, float]]:
+    """Yield each topic that is not silent, with the measured and the expected rate in Hz."""
+    for topic, rule, rate in _rated(seen):
+        if rate is None or rate.hertz is None or seen.now - rate.heard > _silence(rule):
+            continue
+        yield topic, rule, rate.hertz, rule.rate or 0.0
 
 
 def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:

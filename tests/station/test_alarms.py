@@ -658,8 +658,8 @@ RATED = replace(NORMAL.file, topics=(TopicRule("scan", rate=10.0), TopicRule("wo
     [
         (0.1, 0.1, {}),
         (0.12, 0.1, {}),  # 8.3 Hz
-        (0.13, 0.1, {"rate": "/scan IS TOO SLOW, 7.7 Hz: expected 10 Hz, within 20%"}),
-        (0.08, 0.1, {"rate": "/scan IS TOO FAST, 12.5 Hz: expected 10 Hz, within 20%"}),
+        (0.13, 0.1, {"slow": "/scan IS TOO SLOW, 7.7 Hz: expected 10 Hz, within 20%"}),
+        (0.08, 0.1, {"fast": "/scan IS TOO FAST, 12.5 Hz: expected 10 Hz, within 20%"}),
         (0.13, 3.0, {"silent": "/scan IS SILENT for 3 s: expected 10 Hz"}),
         (None, 0.0, {"silent": "/scan IS SILENT: nothing came, expected 10 Hz"}),
     ],
@@ -673,7 +673,19 @@ def test_a_topic_that_is_not_as_often_as_expected_is_an_alarm(
     snapshot = NORMAL._replace(file=RATED, message_rates=rates)
     found = conditions(snapshot, NOW)
     assert found == {f"topic {kind} /scan": text for kind, text in said.items()}
-    assert kind_of(next(iter(found), "topic rate /scan")).name.startswith("topic ")
+    assert kind_of(next(iter(found), "topic slow /scan")).name.startswith("topic ")
+
+
+def test_a_slow_topic_that_becomes_fast_is_another_alarm() -> None:
+    board, seen = AlarmBoard(), list[str]()
+    for second in range(20):
+        now, interval = NOW + second, 0.13 if second < 8 else 0.08
+        rates = {"/scan": MessageRate(now, interval), "/words": MessageRate(now)}
+        rated = NORMAL._replace(file=RATED, message_rates=rates)
+        seen += [f"{name} {is_over}" for name, _, is_over in board_at(rated, board, now)]
+    assert [*dict.fromkeys(text for text in seen if "/scan" in text)] == [
+        *("topic slow /scan False", "topic slow /scan True", "topic fast /scan False")
+    ]
 
 
 @pytest.mark.parametrize(
