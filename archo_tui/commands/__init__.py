@@ -27,6 +27,10 @@ from archo_tui.verbs.services import Give
 from archo_tui.verbs.verb import Verb
 
 
+def _saves_pose(verb: Verb) -> bool:
+    return isinstance(verb, SavePlace) and verb.pose_goal is not None
+
+
 def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:
     """Return every command of the console for a robot, in the order of the footer.
 
@@ -61,7 +65,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         *(generic.AnyTopic(verb) for verb in verbs.values() if isinstance(verb, Publish)),
         generic.WriteRobotFile(),
         generic.DescribeRobot(),
-        *(places.SaveUnderName(v, "places") for v in verbs.values() if isinstance(v, SavePlace)),
+        *(places.SaveUnderName(v, "places") for v in verbs.values() if _saves_pose(v)),
         *(places.SaveUnderName(v, "go_list") for v in verbs.values() if isinstance(v, SaveQueue)),
         console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),

@@ -36,7 +36,7 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     ask = goals[0].how if goals else ""
     yield from goals
     if goals:
-        yield from (ShowPlaces(), SavePlace(goals[0]), SaveQueue(), Drive(goals))
+        yield from (ShowPlaces(), SavePlace(goals), SaveQueue(), Drive(goals))
     yield from (Cancel(), ContinueQueue(), SkipGoal())
     yield from (StopNow(robot.stop), ReleaseStop(robot.stop), GiveUpStop())
     for command in robot.commands:

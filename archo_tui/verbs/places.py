@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
@@ -42,21 +43,24 @@ class SavePlace(Verb):
     help = "Save where the robot is, or a goal, as a place with a name"
     arguments = (Argument("name"), Argument("value", many=True, optional=True))
 
-    def __init__(self, go: Go) -> None:
-        self._go = go
+    def __init__(self, goals: Sequence[Go]) -> None:
+        self._go = goals[0]
+        # The goal that leads to where the robot is; None if none of the robot's is a pose.
+        self.pose_goal = next((go for go in goals if is_pose(go.kind)), None)
 
     async def prepare(self, station: Station, values: Values) -> Values:
         if not values["value"]:
-            return {**values, GOALS: [self._pose(station)]}
+            go = self.pose_goal or self._go
+            return {**values, GOALS: [self._pose(station, go.kind)], "go": go}
         typed = self._go.values(values["value"])
         prepared = await self._go.prepare(station, typed)
         if len(prepared[GOALS]) != 1:
             raise ValueError("a place is one goal; save_queue saves several")
-        return {**values, **prepared}
+        return {**values, **prepared, "go": self._go}
 
-    def _pose(self, station: Station) -> dict[str, Any]:
+    def _pose(self, station: Station, kind: GoalKind) -> dict[str, Any]:
         """Return the goal that leads to where the robot is; NotPossible if that is not known."""
-        kind, pose = self._go.kind, station.robot.snapshot.pose
+        pose = station.robot.snapshot.pose
         if pose.x is None or pose.y is None or pose.is_old(station.clock.monotonic()):
             raise NotPossible(f"the pose is not known: type the values, {self.id} NAME VALUE ...")
         frame = next((v for path, v in kind.fixed.items() if path.endswith("frame_id")), "")
@@ -65,11 +69,19 @@ class SavePlace(Verb):
         return pose_goal(kind, {"x": pose.x, "y": pose.y, "yaw": pose.yaw or 0.0})
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        kind, name, goal = self._go.kind, values["name"], values[GOALS][0]
+        go, name, goal = values["go"], values["name"], values[GOALS][0]
+        kind = go.kind
         await in_daemon(station.places.save_place, name, kind, goal)
-        text = f"{name} is {values_text(kind, goal)}: {self._go.id} {name} drives there"
+        text = f"{name} is {values_text(kind, goal)}: {go.id} {name} drives there"
         station.robot.note("YOU", "console", f"place {name}: saved as {values_text(kind, goal)}")
         return Outcome(Code.DONE, text)
+
+
+def is_pose(kind: GoalKind) -> bool:
+    """Return True if a goal's form has `x`, `y` and `yaw` only."""
+    with suppress(NotPossible):
+        return bool(pose_goal(kind, dict.fromkeys(("x", "y", "yaw"), 0.0)))
+    return False
 
 
 def pose_goal(kind: GoalKind, pose: Mapping[str, float]) -> dict[str, Any]:

@@ -23,7 +23,6 @@ TYPED = {
     "Reset the encoder": ("reset", "encoder", "zero"),
     "Charge the battery": ("charge", "battery", "charging"),
     "Send a goal to any action": ("action", "any action", "send goal"),
-    "Save where the robot is": ("place", "pose", "waypoint"),
     "Save the running goal": ("save the queue", "as a list", "running goal and"),
     "Publish a message": ("publish", "pub", "message"),
     "Call any service": ("service", "call", "any service"),

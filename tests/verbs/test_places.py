@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from archo_tui.commands import registry
 from archo_tui.errors import ArchoError
 from archo_tui.paths import config_file
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot_file import load
+from archo_tui.robot_file.model import FormField
 from archo_tui.station.places import Places
 from archo_tui.verbs.places import pose_goal
 from archo_tui.verbs.verb import NotPossible
@@ -141,6 +144,13 @@ def test_two_consoles_and_two_robots_keep_each_others_places(tmp_path: Path) -> 
 def test_a_pose_is_a_goal_only_of_a_form_that_asks_for_a_pose() -> None:
     with pytest.raises(NotPossible, match="Shelf is no part of a pose"):
         pose_goal(SHELF, {"x": 1.0, "y": 2.0, "yaw": 0.0})
+
+
+def test_the_palette_saves_where_the_robot_is_only_for_a_goal_that_is_a_pose() -> None:
+    pose = replace(SHELF, id="pose", form={"x": FormField(), "pose.y": FormField()})
+    for goals, offered in (((SHELF,), False), ((SHELF, pose), True), ((), False)):
+        commands = registry(replace(ARCHO, goals=goals))
+        assert any("save_place" in command.verbs for command in commands) is offered
 
 
 def test_a_place_that_could_not_be_written_is_as_it_was(
