@@ -83,7 +83,8 @@ def live_line(view: ScreenState, width: int) -> Content:
     news = alarms[0] if alarms else ""
     if news and (snapshot.is_at_rest or snapshot.latch is Latch.UNCERTAIN):
         does = "" if "STOP" in shown[0].text else does  # The alarm says it.
-    more = [f"+{len(shown) - 1} more"] if len(shown) > 1 else []
+    others = len(shown) - 1
+    more = [f"+{others} more alarm{'s' * (others > 1)}"] if others > 0 else []
     more += ["an assistant asks"] if view.requests else []
     name, back = harmless(snapshot.file.name), f"{view.key('quit')} back "
     time = time_of_day(int(view.time))

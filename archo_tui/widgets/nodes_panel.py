@@ -89,7 +89,14 @@ def _crop_at_word(text: str, width: int) -> str:
     """
     reason = re.sub(r"^(crashed: |not restarted: |line \d+: )+", "", text)
     cut = textwrap.shorten(reason, width, placeholder=" …")
-    return cut if 3 * len(cut) > 2 * width else crop(reason, width)  # A long word may be cut.
+    if 3 * len(cut) > 2 * width:
+        return cut
+    head = cut.removesuffix("…")
+    if not head:
+        return crop(reason, width)
+    # A long word, as the name of a package, keeps its end: `no package my_r…faces`.
+    word = reason[len(head) :].split(" ")[0].rstrip(":,")
+    return f"{head}{pad(word, width - len(head))}".rstrip()
 
 
 def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:

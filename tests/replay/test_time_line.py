@@ -22,7 +22,7 @@ from tests.support.console import BRISK, click, console
 BEGIN = 1_700_000_000.0
 # what a console does and a replay does not; what is new has to find its room here, or there
 ACTS = {
-    *("save_place", "save_queue"),
+    "save_queue",
     *("go", "cancel", "cancel_all", "continue", "skip", "give_up_stop", "release", "send_goal"),
     "pub",
     "tf",

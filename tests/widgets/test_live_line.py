@@ -44,6 +44,12 @@ def test_a_robot_that_is_stopped_is_striking_though_the_alarm_is_acknowledged() 
     assert not is_striking(view_of("motor moving"))
 
 
+def test_further_alarms_are_counted_as_alarms() -> None:
+    view = view_of("motor stopped")
+    for count, said in ((2, "+1 more alarm "), (3, "+2 more alarms ")):
+        assert said in live_line(replace(view, alarms=view.alarms[:1] * count), 160).plain
+
+
 def test_an_alarm_that_is_over_is_not_told_as_one_that_lasts() -> None:
     view = view_of("motor stopped")
     over = tuple(one._replace(until=one.since + 5.0) for one in view.alarms)

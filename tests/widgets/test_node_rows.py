@@ -59,7 +59,7 @@ def test_titles_stand_above_their_columns() -> None:
 def test_a_package_that_is_missing_is_named_in_a_narrow_panel() -> None:
     error = "line 3: no package my_robot_interfaces: --interfaces DIR takes it"
     crashed = NodeRow(NodeState("/mine"), Hosted("/mine", Life.CRASHED, error), NOW)
-    assert drawn([crashed], 23)[1] == "  no package my_robot_…"
+    assert drawn([crashed], 23)[1] == "  no package my_r…faces"
 
 
 @pytest.mark.parametrize("width", range(22, 30))
