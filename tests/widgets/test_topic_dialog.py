@@ -432,7 +432,10 @@ async def test_a_message_is_published_from_the_topic_and_shown_in_nodes_until_ct
         await op.until("/words  std_msgs/msg/String")
         await op.type("hello")
         await op.press("enter", "end", "backspace", "backspace", "backspace", "2", "0")
-        await op.press("enter", "end", "backspace", "0", "enter")
+        await op.press("enter", "end", "backspace", "0", "tab", "tab", "enter")
+        await op.until("Copied the command")
+        assert op.app.clipboard == "ros2 topic pub -r 20 /words std_msgs/msg/String '{data: hello}'"
+        await op.press("shift+tab", "shift+tab", "enter")
         await op.until("This may move the robot. Publish to /words")
         assert made[0].heard == []
         await op.at(clock.seconds() + 1.0)
