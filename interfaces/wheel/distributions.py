@@ -56,3 +56,9 @@ RUN = {
         "ros-rosidl-typesupport-fastrtps-c==3.8.1",
     ],
 }
+
+# Of packages with further messages, which are needed by those whose package.xml depends on them.
+MESSAGES = {
+    "jazzy": {"geometry_msgs": "ros-geometry-msgs==5.3.6"},
+    "kilted": {"geometry_msgs": "ros-geometry-msgs==5.5.1"},
+}

@@ -32,7 +32,8 @@ _distribution = distributions.DEFAULT
 def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
     """Return what pip installs for the build, in an environment that is thrown away afterwards."""
     rest = _choose(config_settings)
-    return _scikit_build.get_requires_for_build_wheel(rest) + distributions.BUILD[_distribution]
+    needed = [*distributions.BUILD[_distribution], *_messages()]
+    return _scikit_build.get_requires_for_build_wheel(rest) + needed
 
 
 def prepare_metadata_for_build_wheel(
@@ -63,7 +64,14 @@ def build_wheel(
 
 def dynamic_metadata(_settings: object, _project: object) -> dict[str, list[str]]:
     """Return the wheel's dependencies, for which scikit-build-core asks."""
-    return {"dependencies": distributions.RUN[_distribution]}
+    return {"dependencies": [*distributions.RUN[_distribution], *_messages()]}
+
+
+def _messages() -> list[str]:
+    """Return the wheels of the messages on which the package depends."""
+    package = Path("package.xml").read_text(encoding="utf-8")
+    known = distributions.MESSAGES[_distribution]
+    return [wheel for name, wheel in known.items() if f"<depend>{name}</depend>" in package]
 
 
 def _choose(config_settings: Settings) -> Settings:

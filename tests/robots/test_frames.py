@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,11 @@ import pytest
 
 pytest.importorskip("tf2_msgs")
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
 from tests.support.console import console
@@ -34,8 +37,8 @@ class Base(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("base", **options)
-        self._moving = self.create_publisher(TFMessage, "/tf", 10)
-        self._static = self.create_publisher(TFMessage, "/tf_static", LATCHED)
+        self._moving = self.create_publisher(TFMessage, "tf", 10)
+        self._static = self.create_publisher(TFMessage, "tf_static", LATCHED)
         self._static.publish(self.message("base_link", "laser"))
         self.timer = self.create_timer(0.1, self.publish)
 
@@ -56,6 +59,35 @@ class Dock(Node):
         super().__init__("dock", **options)
         self._static = self.create_publisher(TFMessage, "/tf_static", LATCHED)
         self._static.publish(Base.message(self, "map", "dock"))  # type: ignore[arg-type]
+
+
+class Simulated(Base):
+    """Its time is simulated: it publishes it, and stamps by it."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._time = self.create_publisher(Clock, "/clock", 10)
+
+    def message(self, parent: str, child: str) -> Any:
+        found = super().message(parent, child)
+        found.transforms[0].header.stamp = Time(sec=7)
+        return found
+
+
+async def test_in_simulated_time_a_transform_is_as_old_as_its_receipt() -> None:
+    code, said = await plain("tf\n", Simulated)
+    assert code == 0, said
+    assert re.search(r"^base_link in odom: \d+\.\d Hz, 0\.\d s old, from base$", said, re.MULTILINE)
+
+
+async def test_a_robot_in_a_namespace_has_its_own_tree_or_the_common_one() -> None:
+    code, said = await plain("tf\n", Base, Dock, namespace="/tb1")
+    assert code == 0, said
+    assert "base_link in odom: " in said
+    assert "dock" not in said
+    code, said = await plain("tf\n", Dock, namespace="/tb1")
+    assert code == 0, said
+    assert "dock in map: static, from tb1/dock\n" in said
 
 
 async def test_the_transforms_are_listed_with_what_is_wrong() -> None:
