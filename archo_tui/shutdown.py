@@ -6,13 +6,14 @@ import asyncio
 import contextlib
 import os
 import signal
+import sys
 import threading
 from collections.abc import Awaitable, Callable, Iterator
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
 from archo_tui.robot.state.goal import Goal
-from archo_tui.system import CAN_SUSPEND, END_SIGNALS
+from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot
@@ -150,7 +151,7 @@ def nothing_published_while_suspended(robot: Robot) -> Iterator[None]:
 
     A process that stands still reads no STOP. Does nothing in a thread that gets no signals.
     """
-    if not CAN_SUSPEND or threading.current_thread() is not threading.main_thread():
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         yield
         return
 

@@ -81,10 +81,24 @@ class RosThread:
         # An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down.
         # So each task runs the function that has waited longest.
         with self._lock:
-            if not self._stopping:
-                self._waiting.append(function)
-                if self._has_started:  # Python warns of a coroutine that never begins.
-                    self.executor.create_task(self._next)
+            self._add(function)
+
+    def submit_in_handler(self, function: Callable[[], Any], patience: float) -> None:
+        """Do what `submit` does, in a signal handler; give up after `patience` in seconds.
+
+        The thread that the signal has interrupted may be in `submit`, and never lets go of it.
+        """
+        if self._lock.acquire(timeout=patience):
+            try:
+                self._add(function)
+            finally:
+                self._lock.release()
+
+    def _add(self, function: Callable[[], Any]) -> None:
+        if not self._stopping:
+            self._waiting.append(function)
+            if self._has_started:  # Python warns of a coroutine that never begins.
+                self.executor.create_task(self._next)
 
     async def _next(self) -> None:
         result = self._waiting.popleft()()

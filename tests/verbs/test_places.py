@@ -146,7 +146,7 @@ def test_a_pose_is_a_goal_only_of_a_form_that_asks_for_a_pose() -> None:
         pose_goal(SHELF, {"x": 1.0, "y": 2.0, "yaw": 0.0})
 
 
-def test_the_palette_saves_where_the_robot_is_only_for_a_goal_that_is_a_pose() -> None:
+def test_the_palette_saves_the_pose_only_for_a_goal_that_is_one() -> None:
     pose = replace(SHELF, id="pose", form={"x": FormField(), "pose.y": FormField()})
     for goals, offered in (((SHELF,), False), ((SHELF, pose), True), ((), False)):
         commands = registry(replace(ARCHO, goals=goals))

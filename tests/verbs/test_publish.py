@@ -267,6 +267,18 @@ async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
         assert len(heard) == count
 
 
+async def test_a_suspension_in_the_middle_of_a_request_does_not_hang_the_console() -> None:
+    async with operated(hearing([])) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 50 --yes\n")
+        robot = person._plain._station.robot
+        await until(lambda: robot.publications.active)
+        with robot.thread._lock:  # The signal comes while this thread hands over a request.
+            robot.end_publications_now()
+        robot.end_publications_now()
+        await until(lambda: not robot.publications.active)
+
+
 async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -139,5 +139,5 @@ def end_publications_now(robot: Parts) -> None:
         done.set()
 
     if robot.publications.active:
-        robot.thread.submit(end)
+        robot.thread.submit_in_handler(end, _LONGEST_BLOCK)
         done.wait(_LONGEST_BLOCK)
