@@ -1,41 +1,51 @@
 """Python code of a person's files, run in a process of its own that always ends.
 
-The process answers one request with one value; what the code prints is kept apart from it.
+The process answers one request with one value, or an error in one line that says where; what the
+code prints is kept apart from it.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import linecache
 import os
 import signal
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Callable
 from types import FrameType
-from typing import IO, Any, NamedTuple
+from typing import IO, Any
 
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, first_line, quoted_line
 
 _MAX_PRINTED = 100_000  # Bytes that are kept of what the code prints.
 _MAX_ANSWER = 10_000_000  # Bytes; a launch file of a thousand nodes needs one million.
 _GRACE = 2.0  # Seconds for Python's start, and for the process to say where it hangs.
 
-
-class Reply(NamedTuple):
-    """The outcome of a request."""
-
-    value: Any  # As JSON has it; None if the process ended without a whole answer.
-    printed: str  # The first 100 kB.
-    exit_code: int  # Negative for a signal, such as the kill when its time was over.
+IsOwn = Callable[[str], bool]  # Tells a person's files by their names.
 
 
-def ask(module: str, request: Any, seconds: float) -> Reply:
-    """Run `main()` of a module in a new process, send it a request, and return its reply.
+class ChildError(ArchoError):
+    """An error of a person's file."""
 
-    The process, and what it has started, is killed after `seconds` and two more. Blocks: not for
-    the UI thread.
+    def __init__(self, text: str, file: str = "", line: int = 0, report: str = "") -> None:
+        """Create the error; the file is "" if no line is known.
+
+        The report is the traceback without the frames of the console, or what the code printed.
+        """
+        super().__init__(text)
+        self.file, self.line, self.report = file, line, report
+
+
+def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
+    """Run `main()` of a module in a new process, send it a request, and return its answer.
+
+    The second value is what the process has printed, its first 100 kB. The process, and what it has
+    started, is killed after `seconds` and two more. Blocks: not for the UI thread. Raises
+    ChildError.
     """
     # The path of this process, so that no file of the current folder is taken for a module.
     code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
@@ -68,19 +78,25 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
         _kill_group(process)
     for reader in readers:
         reader.join(_GRACE)
-    if len(answer) > _MAX_ANSWER:
-        raise ArchoError(f"the answer of {module} is larger than {_MAX_ANSWER // 1_000_000} MB")
-    value = None
-    with contextlib.suppress(ValueError):  # It ended within its answer, or before.
-        value = json.loads(bytes(answer))
-    return Reply(value, bytes(printed).decode(errors="replace"), process.wait())
+    text = bytes(printed).decode(errors="replace")
+    try:
+        answered = json.loads(bytes(answer))
+    except ValueError:  # It ended within its answer, or before.
+        code_of_end = process.wait()
+        how = f"it ended Python, exit code {code_of_end}"
+        if code_of_end < 0:
+            how = f"it does not return within {seconds:g} s"
+        raise ChildError(how, report=text) from None
+    if "error" in answered:
+        raise ChildError(**answered["error"])
+    return answered["value"], text
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end, and keep its first `limit` bytes, and one more if there is."""
+    """Read a pipe to its end, and keep its first `limit` bytes."""
     with pipe, contextlib.suppress(OSError, ValueError):
         while chunk := os.read(pipe.fileno(), 65_536):
-            kept += chunk[: limit + 1 - len(kept)]
+            kept += chunk[: limit - len(kept)]
 
 
 def _kill_group(process: subprocess.Popen[bytes]) -> None:
@@ -91,11 +107,11 @@ def _kill_group(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def serve(answer: Callable[[Any], Any], late: Callable[[FrameType | None, float], Any]) -> None:
+def serve(answer: Callable[[Any], Any], is_own: IsOwn) -> None:
     """Answer the request of `ask`, and end the process: this function does not return.
 
-    What the code prints goes to standard error. If time is over, `late` is called on another
-    thread, with the frame that runs in the main thread.
+    What the code prints goes to standard error. If time is over, the answer is the line of a
+    person's file that runs then.
     """
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # What the code prints goes to standard error.
@@ -103,9 +119,9 @@ def serve(answer: Callable[[Any], Any], late: Callable[[FrameType | None, float]
     given = json.loads(sys.stdin.buffer.read())
     lock, main_thread = threading.Lock(), threading.get_ident()
 
-    def end(value: Any) -> None:
+    def end(**answered: Any) -> None:
         with lock:
-            output.write(json.dumps(value).encode() + b"\n")
+            output.write(json.dumps(answered).encode() + b"\n")
             output.flush()
             with contextlib.suppress(Exception):
                 sys.stdout.flush()
@@ -113,9 +129,51 @@ def serve(answer: Callable[[Any], Any], late: Callable[[FrameType | None, float]
             os._exit(0)
 
     def end_late() -> None:
-        end(late(sys._current_frames().get(main_thread), given["seconds"]))
+        frame = sys._current_frames().get(main_thread)
+        end(error=_as_json(_hang(frame, given["seconds"], is_own)))
 
     watchdog = threading.Timer(given["seconds"], end_late)
     watchdog.daemon = True
     watchdog.start()
-    end(answer(given["request"]))
+    try:
+        value = answer(given["request"])
+    except BaseException as error:
+        found = error if isinstance(error, ChildError) else described(error, is_own)
+        end(error=_as_json(found))
+    end(value=value)
+
+
+def _as_json(error: ChildError) -> dict[str, Any]:
+    return {"text": str(error), **vars(error)}
+
+
+def described(error: BaseException, is_own: IsOwn) -> ChildError:
+    """Describe an error by the last line of a person's files in its traceback."""
+    name, why = type(error).__name__, first_line(error)
+    report: Any = traceback.TracebackException.from_exception(error)
+    own = [frame for frame in report.stack if is_own(frame.filename)]
+    report.stack = traceback.StackSummary.from_list(own)
+    lines = "".join(report.format(chain=False))
+    if isinstance(error, SyntaxError) and is_own(error.filename or ""):
+        text = f"SyntaxError: {error.msg}{quoted_line(error.text or '')}"
+        return ChildError(text, error.filename or "", error.lineno or 1, lines)
+    if isinstance(error, ModuleNotFoundError):
+        why += " (looked for it where Python looks, and in the packages of the workspace)"
+    if isinstance(error, SystemExit):
+        why = f"it ends Python, exit code {error.code}"
+    text = f"{name}: {why}".rstrip(": ")
+    if not own:
+        return ChildError(text, report=lines)
+    last = own[-1]
+    return ChildError(text + quoted_line(last.line or ""), last.filename, last.lineno or 1, lines)
+
+
+def _hang(frame: FrameType | None, seconds: float, is_own: IsOwn) -> ChildError:
+    """Describe code of a person's file that does not return in time, by the line that runs."""
+    text = f"does not return within {seconds:g} s"
+    while frame is not None and not is_own(frame.f_code.co_filename):
+        frame = frame.f_back
+    if frame is None:
+        return ChildError(text)
+    file, line = frame.f_code.co_filename, frame.f_lineno
+    return ChildError(text + quoted_line(linecache.getline(file, line)), file, line)

@@ -6,19 +6,20 @@ import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import child_process, user_errors
+from archo_tui.launch import child_process
+from archo_tui.launch.child_process import ChildError
 from archo_tui.launch.stand_ins import frontend, markup, packages
+from archo_tui.launch.stand_ins.actions import DeclareLaunchArgument
 from archo_tui.launch.stand_ins.core import (
-    DeclaredArgument,
     LaunchContext,
     LaunchDescription,
     Place,
     SubstitutionFailure,
-    declared_arguments,
+    describe,
+    known_entities,
     visit,
     visit_delayed,
 )
@@ -35,11 +36,7 @@ _own_folders: list[Path] = []  # Of the packages, whose modules a launch file ma
 def main() -> None:
     """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
     os.environ.setdefault("ROS_DISTRO", distribution() or EMBEDDED_RELEASE)
-    child_process.serve(evaluate, lambda frame, seconds: {"error": _hang(frame, seconds)})
-
-
-def _hang(frame: FrameType | None, seconds: float) -> user_errors.UserError:
-    return user_errors.describe_hang(frame, seconds, _is_own)
+    child_process.serve(evaluate, _is_own)
 
 
 def _is_own(filename: str) -> bool:
@@ -48,7 +45,7 @@ def _is_own(filename: str) -> bool:
 
 
 def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a launch file would start, or only `error`, a UserError."""
+    """Return what a launch file would start; raise ChildError."""
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
     packages.use(packages.PackageIndex(workspace, Path(request["prefix"])))
@@ -58,49 +55,49 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
     sys.path += map(str, _own_folders)
     try:
         with importable_stand_ins():
-            return _evaluate(request, context)
+            return _evaluate(request["file"], request["arguments"], context)
     except BaseException as error:
-        return {"error": _user_error_of(error, context)}
+        raise _described(error, context) from error
     finally:
         sys.path[:] = before
 
 
-def _evaluate(request: Mapping[str, Any], context: LaunchContext) -> dict[str, Any]:
-    path, given = request["file"], dict(request["arguments"])
+def _evaluate(path: str, given: Mapping[str, str] | None, context: LaunchContext) -> dict[str, Any]:
     description = load_launch_file(path)
-    declared = declared_arguments(description.entities)
-    if not request["only_arguments"]:
-        _perform(path, description, declared, given, context)
+    declared: dict[str, dict[str, Any]] = {}
+    for entity, is_conditional in known_entities([description]):
+        if isinstance(entity, DeclareLaunchArgument):
+            declared.setdefault(entity.name, _as_json(entity, is_conditional))
+    if given is not None:
+        _perform(path, description, given, context)
+        _note_unknown(path, given, declared.keys() | context.read, context)
     return {
         "programs": context.programs,
         "notes": context.notes,
-        "arguments": [_as_json(found) for found in declared],
+        "arguments": list(declared.values()),
         "environment": context.changed_environment(),
         "files": sorted(loaded_files),
     }
 
 
 def _perform(
-    path: str,
-    description: LaunchDescription,
-    declared: list[DeclaredArgument],
-    given: dict[str, str],
-    context: LaunchContext,
+    path: str, description: LaunchDescription, given: Mapping[str, str], context: LaunchContext
 ) -> None:
     context.locals.current_launch_file_path = path
     context.locals.current_launch_file_directory = os.path.dirname(path)
-    for found in declared:
-        if found.is_required and found.argument.name not in {*given, *found.given}:
-            raise SubstitutionFailure(found.argument.missing_text(), found.argument.place)
     context.launch_configurations.update(given)
     visit(description, context, Place(path, 1))
     visit_delayed(context)
-    known = {found.argument.name for found in declared} | context.read
+
+
+def _note_unknown(
+    path: str, given: Mapping[str, str], known: set[str], context: LaunchContext
+) -> None:
+    """Note the given arguments that the file does not have, and the packages that are not here."""
     for name in given.keys() - known:
         near = nearest_hint(name, known)
-        context.note(
-            Place(path, 0), f"{name}:={given[name]}: this launch file has no argument {name}{near}"
-        )
+        text = f"{name}:={given[name]}: this launch file has no argument {name}{near}"
+        context.note(Place(path, 0), text)
     notes = " ".join(note["text"] for note in context.notes)
     for package, place in packages.index.missing.items():
         if f"{package} is not here" not in notes:
@@ -108,33 +105,28 @@ def _perform(
             context.note(place, f"package {package} is not here{near}: its folder has no files")
 
 
-def _as_json(found: DeclaredArgument) -> dict[str, Any]:
-    argument, default = found.argument, found.argument.default_value
+def _as_json(argument: DeclareLaunchArgument, is_conditional: bool) -> dict[str, Any]:
+    default = argument.default_value
     return {
         "name": argument.name,
-        "description": argument.description,
-        "default": None if default is None else "".join(part.describe() for part in default),
-        "choices": argument.choices,
-        "is_conditional": found.is_conditional,
-        "file": argument.place.file,
-        "line": argument.place.line,
+        "description": argument.description or "",
+        "default": None if default is None else describe(default),
+        "choices": argument.choices or (),
+        "is_conditional": is_conditional,
     }
 
 
-def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.UserError:
-    """Describe an error of a launch file, with the file and line to mend, or "" and 0."""
-    described = user_errors.describe(error, _is_own)
-    place: Place | None = getattr(error, "place", None)
+def _described(error: BaseException, context: LaunchContext) -> ChildError:
+    """Describe an error of a launch file, with the file and line to mend if they are known."""
+    found = child_process.described(error, _is_own)
+    text, place = str(found), getattr(error, "place", None) or context.failed_at
     missing = packages.index.missing_package(str(getattr(error, "filename", "")))
     if missing:
-        described = described._replace(text=f"package {missing} is not here, nor its files")
-    elif isinstance(error, ArchoError):  # A setup.py, which is named.
-        described = described._replace(text=str(error))
-    if isinstance(error, SubstitutionFailure):
-        described = described._replace(text=str(error))
-    elif described.file:
-        return described
-    place = place or context.failed_at
-    if place is None:
-        return described
-    return described._replace(file=place.file, line=place.line)
+        text = f"package {missing} is not here, nor its files"
+    elif isinstance(error, RecursionError):
+        text = "these launch files include each other without end"
+    elif isinstance(error, (SubstitutionFailure, ArchoError)):  # Of a setup.py, which is named.
+        text = str(error)
+    if place is None or (found.file and not isinstance(error, SubstitutionFailure)):
+        return ChildError(text, found.file, found.line, found.report)
+    return ChildError(text, place.file, place.line, found.report)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from archo_tui.launch.workspace import EntryPoint
+from archo_tui.launch.package import EntryPoint
 
 
 @dataclass(frozen=True)
@@ -17,8 +17,8 @@ class LaunchedProgram:
     entry_point: EntryPoint
     name: str  # "" if the node keeps the one in its code.
     namespace: str  # With a leading `/`; "" if none is given.
-    ros_args: tuple[str, ...]  # After `--ros-args`: `-r`, `-p`, `--params-file`.
-    arguments: tuple[str, ...]  # Before `--ros-args`.
+    ros_args: Sequence[str]  # After `--ros-args`: `-r`, `-p`, `--params-file`.
+    arguments: Sequence[str]  # Before `--ros-args`.
     respawn: bool  # It is started again after it has ended.
     respawn_delay: float  # s
     start_delay: float  # s after the start of the launch
@@ -35,7 +35,7 @@ class LaunchArgument:
     name: str
     description: str
     default: str | None  # None: a value must be given.
-    choices: tuple[str, ...]  # Empty if it can have any value.
+    choices: Sequence[str]  # Empty if it can have any value.
     is_conditional: bool  # It is declared under some condition only.
 
 
@@ -55,9 +55,9 @@ class LaunchNote:
 class LaunchPlan:
     """The processes that a launch file would start, and its messages."""
 
-    programs: tuple[LaunchedProgram, ...]  # In the order of their start.
-    notes: tuple[LaunchNote, ...]
-    arguments: tuple[LaunchArgument, ...]  # Also of included files.
+    programs: Sequence[LaunchedProgram]  # In the order of their start.
+    notes: Sequence[LaunchNote]
+    arguments: Sequence[LaunchArgument]  # Also of included files.
     environment: Mapping[str, str | None]  # What differs; None for an unset variable.
     printed: str  # The first 100 kB.
-    files: tuple[str, ...]  # Absolute paths, also of included files.
+    files: Sequence[str]  # Absolute paths, also of included files.

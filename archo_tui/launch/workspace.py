@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import importlib.util
 import os
-import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import cmake
-from archo_tui.launch.package import AMENT_PYTHON, Package, read_package
-from archo_tui.launch.setup_script import PackageSetup, run_setup
+from archo_tui.launch.package import EntryPoint, Package, read_package
 from archo_tui.nearest import nearest_hint
 
 _IGNORED = ("COLCON_IGNORE", "AMENT_IGNORE")  # A folder with such a file is left out.
@@ -25,20 +20,6 @@ _OWN_PACKAGE = "archo_bringup"
 _CHECKOUT = Path(__file__).parent.parent.parent
 
 
-@dataclass(frozen=True)
-class EntryPoint:
-    """A function or a script that runs a node, as an executable of a package names it."""
-
-    module: str  # Dotted; the path of a script.
-    function: str  # "" for a script, which runs as `python FILE` runs it.
-    source: Path | None  # The folder to import it from; None for an installed package.
-
-    def make_importable(self) -> None:
-        """Put the source folder first in `sys.path`, so that this process can import the module."""
-        if self.source is not None and str(self.source) not in sys.path:
-            sys.path.insert(0, str(self.source))
-
-
 class Workspace:
     """The packages of a workspace, and what can be run of them."""
 
@@ -46,7 +27,6 @@ class Workspace:
         """Read the package.xml of some folders; note in `problems` which cannot be used."""
         self.packages: dict[str, Package] = {}
         self.problems: list[str] = []  # A line for each package.xml that is not used.
-        self._setups: dict[str, PackageSetup] = {}
         for folder in folders:
             try:
                 package = read_package(folder)
@@ -100,54 +80,37 @@ class Workspace:
         """Return ` (nearest: my_robot)` for a misspelt name, or "" if no package has one alike."""
         return nearest_hint(name, self.packages, _ALIKE)
 
-    def executables(self, package: Package) -> dict[str, EntryPoint]:
-        """Return a package's executables in Python; the first call blocks on its setup.py."""
-        if package.build_type != AMENT_PYTHON:
-            folder = package.folder.resolve()
-            return {
-                name: EntryPoint(str(folder / script), "", folder)
-                for name, script in cmake.scripts(package).items()
-            }
-        if package.name not in self._setups:
-            self._setups[package.name] = run_setup(package)
-        setup = self._setups[package.name]
-        return {
-            name: EntryPoint(*_split(target), setup.source)
-            for name, target in setup.console_scripts.items()
-        }
-
     def entry_point(self, package_name: str, executable: str) -> EntryPoint:
         """Return the function of an executable, or raise ArchoError; may block on a setup.py."""
         package = self.find(package_name)
-        installed = _installed_executables(package_name) if package is None else {}
-        found = installed if package is None else self.executables(package)
-        if package is None and not found:
+        if package is None:
+            if package_name == _OWN_PACKAGE and executable in _carried_nodes():
+                return EntryPoint(f"{_OWN_PACKAGE}.{executable}", "main", "")
             hint = self.nearest_package_hint(package_name) or ": start it with ROS 2"
             raise ArchoError(f"package {package_name} is not here{hint}")
+        found = package.executables()
         if executable in found:
             return _checked(found[executable], package, executable)
-        if package is not None and package.build_type != AMENT_PYTHON:
+        if not package.is_python:
             raise ArchoError(
                 f"{package_name} is an {package.build_type} package, of which only scripts that "
                 f"install(PROGRAMS) names run here: build it and start {executable} with ROS 2"
             )
         near = nearest_hint(executable, found)
         known = "" if near or not found else f" (it has {', '.join(found)})"
-        hint = "" if package is None else ": see console_scripts in its setup.py"
-        raise ArchoError(f"{package_name} has no executable {executable}{near}{known}{hint}")
+        hint = f"{near}{known}: see console_scripts in its setup.py"
+        raise ArchoError(f"{package_name} has no executable {executable}{hint}")
 
 
-def _checked(entry_point: EntryPoint, package: Package | None, executable: str) -> EntryPoint:
-    """Return an entry point if the file of its module is there; installed ones are not checked."""
-    if package is None or entry_point.source is None:
-        return entry_point
+def _checked(entry_point: EntryPoint, package: Package, executable: str) -> EntryPoint:
+    """Return an entry point if the file of its module is there; raise ArchoError."""
     if not entry_point.function:
         script = Path(entry_point.module)
         if script.is_file() and script.suffix == ".py":
             return entry_point
         why = "is no Python file" if script.is_file() else "is not there"
         raise ArchoError(f"{executable} in CMakeLists.txt of {package.name}: {script} {why}")
-    path = entry_point.source.joinpath(*entry_point.module.split("."))
+    path = Path(entry_point.source, *entry_point.module.split("."))
     if path.with_suffix(".py").is_file() or (path / "__init__.py").is_file():
         return entry_point
     near = nearest_hint(path.name, [p.stem for p in path.parent.glob("*.py")])
@@ -158,28 +121,11 @@ def _checked(entry_point: EntryPoint, package: Package | None, executable: str) 
     )
 
 
-def _split(target: str) -> tuple[str, str]:
-    module, _, function = target.partition(":")
-    return module.strip(), function.strip()
-
-
-def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
-    """Return the console scripts of an installed package, and all modules of ARCHO's own."""
-    try:
-        distribution = importlib.metadata.distribution(package_name)
-    except (importlib.metadata.PackageNotFoundError, ValueError):
-        if package_name != _OWN_PACKAGE:
-            return {}
-        # The wheel of the console carries ARCHO's nodes, without a setup.py.
-        spec = importlib.util.find_spec(_OWN_PACKAGE)
-        folders = (spec and spec.submodule_search_locations) or ()
-        modules = [path.stem for folder in folders for path in Path(folder).glob("*.py")]
-        return {name: EntryPoint(f"{_OWN_PACKAGE}.{name}", "main", None) for name in modules}
-    return {
-        point.name: EntryPoint(*_split(point.value), None)
-        for point in distribution.entry_points
-        if point.group == "console_scripts"
-    }
+def _carried_nodes() -> list[str]:
+    """Return the names of ARCHO's nodes: the console's wheel carries them, without a setup.py."""
+    spec = importlib.util.find_spec(_OWN_PACKAGE)
+    folders = (spec and spec.submodule_search_locations) or ()
+    return [path.stem for folder in folders for path in Path(folder).glob("*.py")]
 
 
 def _package_folders(folder: Path) -> Iterator[Path]:

@@ -97,7 +97,7 @@ class LaunchFile:
                 Program(
                     ProgramFile(entry_point.module, entry_point.function),
                     (*ros_args, *launched.ros_args),
-                    launched.arguments,
+                    (*launched.arguments,),
                     _full_name(launched),
                     int(domain) if domain and domain.isdecimal() else domain_id,
                     launched.respawn_delay if launched.respawn else None,

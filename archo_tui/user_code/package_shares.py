@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 
-from archo_tui.launch.install_prefix import share_folder
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
 
@@ -73,7 +72,7 @@ class PackageShares:
         for workspace in self._workspaces if prefix is not None else ():
             package = workspace.find(package_name)
             if package is not None and prefix is not None:
-                share_folder(Path(prefix.name), package)
+                package.fill_share_folder(Path(prefix.name))
                 return prefix.name
         known = [name for workspace in self._workspaces for name in workspace.packages]
         near = nearest_hint(package_name, known)

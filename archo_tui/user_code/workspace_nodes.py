@@ -50,7 +50,7 @@ def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
         workspace = Workspace.below(Path(item))
         workspaces.append(workspace)
         packages = workspace.packages.values()
-        points = [point for p in packages for point in workspace.executables(p).values()]
+        points = [point for p in packages for point in p.executables().values()]
         if not points:
             raise ArchoError(f"{item}: no setup.py of its packages names a node: console_scripts")
         for point in points:

@@ -40,11 +40,11 @@ def described(*actions):
 def in_this_process() -> Iterator[None]:
     """Evaluate launch files here: a process for each takes a tenth of a second."""
 
-    def ask(module: str, request: Any, seconds: float) -> child_process.Reply:
+    def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
         if module != evaluation.__name__:
             return asked(module, request, seconds)
         answer = evaluation.evaluate(json.loads(json.dumps(request)))
-        return child_process.Reply(json.loads(json.dumps(answer)), "", 0)
+        return json.loads(json.dumps(answer)), ""
 
     asked = child_process.ask
     with patch.object(child_process, "ask", ask):

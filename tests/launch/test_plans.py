@@ -257,7 +257,7 @@ def test_a_launch_file_starts_what_it_starts_on_ros_2(launcher: Launcher, case: 
     text, arguments, commands = CASES[case]
     plan = launcher.plan(launcher.write(text), *arguments)
     assert launcher.commands(plan) == commands
-    assert plan.notes == ()
+    assert plan.notes == []
 
 
 def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(

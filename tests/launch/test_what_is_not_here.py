@@ -62,8 +62,8 @@ def test_what_is_not_here_is_one_line_and_the_rest_starts(launcher: Launcher) ->
 
 def test_what_a_condition_leaves_out_is_not_told(launcher: Launcher) -> None:
     plan = launcher.of_actions("ExecuteProcess(cmd=[], condition=IfCondition('false')),")
-    assert plan.notes == ()
-    assert plan.programs == ()
+    assert plan.notes == []
+    assert plan.programs == []
 
 
 def test_a_parameter_file_that_setup_forgets_is_told_and_the_node_starts(

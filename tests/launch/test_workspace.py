@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import install_prefix, setup_script
+from archo_tui.launch import setup_script
 from archo_tui.launch import workspace as rooms
-from archo_tui.launch.package import Package, read_package
+from archo_tui.launch.package import EntryPoint, Package, read_package
 from archo_tui.launch.setup_script import run_setup
-from archo_tui.launch.workspace import EntryPoint, Workspace
+from archo_tui.launch.workspace import Workspace
 from tests.launch.planning import WORKSPACE
 
 pytestmark = pytest.mark.posix  # Links, and / in paths.
@@ -47,7 +47,7 @@ def test_a_launch_file_without_a_package_finds_archos_own_only(tmp_path: Path) -
     found = Workspace.around(tmp_path / "a.launch.py")
     assert found.packages == {}
     assert found.entry_point("archo_bringup", "dashboard") == EntryPoint(
-        "archo_bringup.dashboard", "main", NODES
+        "archo_bringup.dashboard", "main", str(NODES)
     )
 
 
@@ -56,33 +56,28 @@ def test_the_nodes_that_an_installed_console_carries_can_be_run(
 ) -> None:
     monkeypatch.setattr(rooms, "_CHECKOUT", tmp_path)
     assert Workspace(()).entry_point("archo_bringup", "dashboard") == EntryPoint(
-        "archo_bringup.dashboard", "main", None
+        "archo_bringup.dashboard", "main", ""
     )
 
 
 def test_the_executables_are_what_setup_computes(workspace: Workspace) -> None:
-    assert workspace.executables(workspace.packages["my_tools"]) == {
-        name: EntryPoint(f"my_tools.{name}", "main", SRC / "stack" / "my_tools")
+    assert workspace.packages["my_tools"].executables() == {
+        name: EntryPoint(f"my_tools.{name}", "main", str(SRC / "stack" / "my_tools"))
         for name in ("recorder", "player")
     }
 
 
 def test_the_scripts_of_an_ament_cmake_package_are_executables(workspace: Workspace) -> None:
     folder = (SRC / "my_cpp").resolve()
-    found = workspace.executables(workspace.packages["my_cpp"])
+    found = workspace.packages["my_cpp"].executables()
     assert found == {
-        "count.py": EntryPoint(str(folder / "scripts" / "count.py"), "", folder),
-        "relay": EntryPoint(str(folder / "scripts" / "relay.py"), "", folder),
-        "lost.py": EntryPoint(str(folder / "scripts" / "lost.py"), "", folder),
+        "count.py": EntryPoint(str(folder / "scripts" / "count.py"), "", str(folder)),
+        "relay": EntryPoint(str(folder / "scripts" / "relay.py"), "", str(folder)),
+        "lost.py": EntryPoint(str(folder / "scripts" / "lost.py"), "", str(folder)),
     }
     assert workspace.entry_point("my_cpp", "relay") == found["relay"]
     with pytest.raises(ArchoError, match=r"lost\.py in CMakeLists\.txt of my_cpp: .*is not there"):
         workspace.entry_point("my_cpp", "lost.py")
-
-
-def test_an_installed_python_package_offers_its_console_scripts(workspace: Workspace) -> None:
-    entry_point = EntryPoint("archo_tui.cli", "main", None)
-    assert workspace.entry_point("archo-tui", "archo-tui") == entry_point
 
 
 def test_a_workspace_without_a_package_is_refused(tmp_path: Path) -> None:
@@ -144,11 +139,11 @@ def test_what_is_wrong_with_a_setup_is_one_line(package: Package) -> None:
     for text, line in SETUPS.items():
         (package.folder / "setup.py").write_text(text, encoding="utf-8")
         with pytest.raises(ArchoError) as raised:
-            run_setup(package)
+            run_setup(package.build_file)
         assert str(raised.value).removeprefix(f"{package.folder}/") == line
     (package.folder / "setup.py").unlink()
     with pytest.raises(ArchoError, match="an ament_python package needs it"):
-        run_setup(package)
+        run_setup(package.build_file)
 
 
 def test_a_setup_that_does_not_return_is_ended(
@@ -157,7 +152,7 @@ def test_a_setup_that_does_not_return_is_ended(
     monkeypatch.setattr(setup_script, "SETUP_TIME", 0.3)
     (package.folder / "setup.py").write_text("while True:\n    pass", encoding="utf-8")
     with pytest.raises(ArchoError, match=r"setup\.py:\d: does not return within 0\.3 s"):
-        run_setup(package)
+        run_setup(package.build_file)
 
 
 def test_a_setup_may_use_what_setuptools_has(package: Package) -> None:
@@ -170,31 +165,30 @@ def test_a_setup_may_use_what_setuptools_has(package: Package) -> None:
                 raise RuntimeError
 
         print("to be ignored")
-        assert find_packages(exclude=["test", "test.*"]) == ["my_robot"], find_packages()
         setup(
+            packages=find_packages(exclude=["test", "test.*"]),
             cmdclass={"install": Install},
             package_dir={"": "src"},
-            entry_points=\"\"\"
-                [console_scripts]
-                talker = my_robot.talker:main
-                listener=my_robot.listener:Listener.run [extra]
-            \"\"\",
+            entry_points={
+                "console_scripts": [
+                    "talker = my_robot.talker:main",
+                    "listener=my_robot.listener:Listener.run [extra]",
+                ],
+            },
         )
     """
     (package.folder / "setup.py").write_text(textwrap.dedent(text), encoding="utf-8")
-    no_package = package.folder / "docs" / "example"  # Its parent has no __init__.py.
-    no_package.mkdir(parents=True)
-    (no_package / "__init__.py").touch()
-    setup = run_setup(package)
+    setup = run_setup(package.build_file)
     assert setup.console_scripts == {
-        "talker": "my_robot.talker:main",
-        "listener": "my_robot.listener:Listener.run",
+        "talker": ["my_robot.talker", "main"],
+        "listener": ["my_robot.listener", "Listener.run"],
     }
-    assert setup.source == package.folder / "src"
+    assert setup.source == "src"
 
 
 def test_a_share_folder_has_what_setup_installs(package: Package, tmp_path: Path) -> None:
-    share = install_prefix.share_folder(tmp_path / "prefix", package)
+    package.fill_share_folder(tmp_path / "prefix")
+    share = package.share_folder(tmp_path / "prefix")
     found = sorted(path.relative_to(share).as_posix() for path in share.rglob("*.*"))
     assert found == ["config/params.yaml", "launch/talker.launch.py", "package.xml"]
     (package.folder / "config" / "params.yaml").write_text("changed", encoding="utf-8")
@@ -204,10 +198,12 @@ def test_a_share_folder_has_what_setup_installs(package: Package, tmp_path: Path
 def test_a_file_that_setup_names_and_is_not_there_is_told(package: Package, tmp_path: Path) -> None:
     (package.folder / "config" / "params.yaml").unlink()
     with pytest.raises(ArchoError, match=r"setup\.py: data_files: config/params\.yaml is no file"):
-        install_prefix.share_folder(tmp_path / "prefix", package)
+        package.fill_share_folder(tmp_path / "prefix")
 
 
 def test_a_share_folder_has_what_cmake_installs(workspace: Workspace, tmp_path: Path) -> None:
-    share = install_prefix.share_folder(tmp_path, workspace.packages["my_cpp"])
+    package = workspace.packages["my_cpp"]
+    package.fill_share_folder(tmp_path)
+    share = package.share_folder(tmp_path)
     found = sorted(path.relative_to(share).as_posix() for path in share.rglob("*.*"))
     assert found == ["doc/README.md", "launch/driver.launch.py", "package.xml"]

@@ -12,58 +12,45 @@ from archo_tui.launch.stand_ins.core import (
     Substitution,
 )
 
+_PERFORMS = "this console performs the launch: leave it under __main__"
 _PROGRAMS = "no other programs are started here: start it in another terminal"
 _EVENTS = "launch's events are not followed here: what waits for one does not start"
 _COMPONENTS = "components are written in C++: start them with ROS 2"
 _COMMANDS = "no command is run here: what needs its output is left out"
+_LOGS = "this console has a log of its own"
 _NEWER = "Jazzy has no such action: an OpaqueFunction returns several, too"
 _PACKAGE = "its package is not here: what needs it is left out"
+_SIM_TIME = "it sets use_sim_time of launch itself: SetParameter sets it for nodes"
 
-# The reason why each name of a module is not supported; None stands for every other name.
-REASONS: dict[str, dict[str | None, str]] = {
-    "launch": {
-        "LaunchService": "this console performs the launch: leave it under __main__",
-        "LaunchIntrospector": "this console performs the launch: leave it under __main__",
-    },
-    "launch.actions": {
-        "EmitEvent": _EVENTS,
-        "ForEach": _NEWER,
-        "ForLoop": _NEWER,
-        "ExecuteLocal": _PROGRAMS,
-        "ExecuteProcess": _PROGRAMS,
-        "OpaqueCoroutine": _EVENTS,
-        "RegisterEventHandler": _EVENTS,
-        "Shutdown": _EVENTS,
-        "UnregisterEventHandler": _EVENTS,
-    },
-    "launch.event_handlers": {None: _EVENTS},
-    "launch.events": {None: _EVENTS},
-    "launch.events.process": {None: _EVENTS},
-    "launch.substitutions": {
-        "Command": _COMMANDS,
-        "FindExecutable": _COMMANDS,
-        "LaunchLogDir": "launch writes no log folder here",
-        "LocalSubstitution": _EVENTS,
-    },
-    "launch_ros.actions": {
-        "ComposableNodeContainer": _COMPONENTS,
-        "LifecycleTransition": _EVENTS,
-        "LoadComposableNodes": _COMPONENTS,
-        "ROSTimer": _EVENTS,
-        "RosTimer": _EVENTS,
-        "SetROSLogDir": "this console has a log of its own",
-        "SetUseSimTime": "it sets use_sim_time of launch itself: SetParameter sets it for nodes",
-    },
-    "launch_ros.descriptions": {"ComposableNode": _COMPONENTS},
-    "launch_ros.event_handlers": {None: _EVENTS},
-    "launch_ros.events": {None: _EVENTS},
-    "launch_ros.events.lifecycle": {None: _EVENTS},
-    "launch_ros.substitutions": {"ExecutableInPackage": _COMMANDS, "FindPackage": _COMMANDS},
-    "launch_param_builder": {None: _PACKAGE},
-    "moveit_configs_utils": {None: _PACKAGE},
-    "nav2_common.launch": {None: _PACKAGE},
-    "xacro": {None: "xacro is not run here: what needs its output is left out"},
-}
+_ALL = "*"
+# Why names of a module are not supported.
+_REASONS = (
+    ("launch", "LaunchIntrospector LaunchService", _PERFORMS),
+    ("launch.actions", "ExecuteLocal ExecuteProcess", _PROGRAMS),
+    ("launch.actions", "EmitEvent OpaqueCoroutine RegisterEventHandler Shutdown", _EVENTS),
+    ("launch.actions", "UnregisterEventHandler", _EVENTS),
+    ("launch.actions", "ForEach ForLoop", _NEWER),
+    ("launch.event_handlers", _ALL, _EVENTS),
+    ("launch.events", _ALL, _EVENTS),
+    ("launch.substitutions", "Command FindExecutable", _COMMANDS),
+    ("launch.substitutions", "LaunchLogDir", _LOGS),
+    ("launch.substitutions", "LocalSubstitution", _EVENTS),
+    ("launch_param_builder", _ALL, _PACKAGE),
+    ("launch_ros.actions", "ComposableNodeContainer LoadComposableNodes", _COMPONENTS),
+    ("launch_ros.actions", "LifecycleTransition ROSTimer RosTimer", _EVENTS),
+    ("launch_ros.actions", "SetROSLogDir", _LOGS),
+    ("launch_ros.actions", "SetUseSimTime", _SIM_TIME),
+    ("launch_ros.descriptions", "ComposableNode", _COMPONENTS),
+    ("launch_ros.event_handlers", _ALL, _EVENTS),
+    ("launch_ros.events", _ALL, _EVENTS),
+    ("launch_ros.substitutions", "ExecutableInPackage FindPackage", _COMMANDS),
+    ("moveit_configs_utils", _ALL, _PACKAGE),
+    ("nav2_common.launch", _ALL, _PACKAGE),
+    ("xacro", _ALL, "xacro is not run here: what needs its output is left out"),
+)
+ABSENT: dict[str, dict[str, str]] = {}  # By module and name, the reason.
+for _module, _names, _reason in _REASONS:
+    ABSENT.setdefault(_module, {}).update(dict.fromkeys(_names.split(), _reason))
 
 
 class Absent(Action, Substitution):
@@ -82,16 +69,16 @@ class Absent(Action, Substitution):
         raise self._error()
 
     def perform(self, context: LaunchContext) -> str:
-        raise self._error(is_value=True)
+        raise self._error()
 
     def evaluate(self, context: LaunchContext) -> bool:
-        raise self._error(is_value=True)
+        raise self._error()
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
         raise self._error()
 
-    def _error(self, is_value: bool = False) -> SkipActionError:
-        return SkipActionError(f"{type(self).__name__}: {self.reason}", self.place, is_value)
+    def _error(self) -> SkipActionError:
+        return SkipActionError(f"{type(self).__name__}: {self.reason}", self.place)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "place":
@@ -104,8 +91,8 @@ class Absent(Action, Substitution):
 
 def absent_class(module: str, name: str) -> type[Absent] | None:
     """Return a new subclass of Absent for a name that is not supported; None for any other."""
-    reasons = REASONS.get(module, {})
-    reason = reasons.get(name, reasons.get(None))
-    if reason is None or name.startswith("_"):
+    reasons = ABSENT.get(module, {})
+    reason = reasons.get(name) or reasons.get(_ALL)
+    if reason is None:
         return None
     return type(name, (Absent,), {"reason": reason, "__doc__": f"A stand-in: {reason}."})

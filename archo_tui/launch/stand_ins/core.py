@@ -6,13 +6,15 @@ import heapq
 import os
 import reprlib
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import KW_ONLY, dataclass, fields
 from pathlib import Path
 from types import FrameType, SimpleNamespace
 from typing import Any, NamedTuple
 
 _STAND_INS = str(Path(__file__).parent)
+_GENERATED = "<string>"  # The file of the constructors that dataclasses have.
 
 
 class Place(NamedTuple):
@@ -43,7 +45,7 @@ def calling_place() -> Place:
     if _elements:
         return _elements[-1]
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None and frame.f_code.co_filename.startswith(_STAND_INS):
+    while frame is not None and frame.f_code.co_filename.startswith((_STAND_INS, _GENERATED)):
         frame = frame.f_back
     return Place("", 0) if frame is None else Place(frame.f_code.co_filename, frame.f_lineno)
 
@@ -56,25 +58,12 @@ class SubstitutionFailure(RuntimeError):
         self.place = place
 
 
-class InvalidLaunchFileError(SubstitutionFailure):
-    """The error for a launch file that does not exist, or that describes nothing."""
-
-
 class SkipActionError(Exception):
     """The error for what is not supported or not here: the action that needs it is left out."""
 
-    def __init__(self, text: str, place: Place, is_value: bool = False) -> None:
+    def __init__(self, text: str, place: Place | None = None) -> None:
         super().__init__(text)
-        self.place, self.is_value = place, is_value
-
-
-class Delayed(NamedTuple):
-    """The actions of a timer; objects sort by their time, then by their number."""
-
-    time: float  # Seconds after the start.
-    number: int
-    actions: Iterable[Any]
-    local_values: dict[str, Any]  # The `locals` of the context when the timer began.
+        self.place = place  # Of the value that is missing; None for the action itself.
 
 
 class LaunchContext:
@@ -84,69 +73,69 @@ class LaunchContext:
         self.argv = list(argv or ())
         # As ThisLaunchFile reads them; empty before the file is performed.
         self.locals = SimpleNamespace()
+        # Those of the innermost scope, which actions change in place.
+        self.launch_configurations: dict[str, Any] = {}
+        self.environment = dict(os.environ)
         self.programs: list[dict[str, Any]] = []  # As LaunchedProgram has them.
-        self.notes: list[dict[str, Any]] = []  # As LaunchNote has them.
-        self.delayed: list[Delayed] = []  # A heap.
+        self.notes: list[dict[str, Any]] = []  # As LaunchNote has them, with a Place.
+        # The actions of timers, a heap: by their time, then their number; and the locals of each.
+        self.delayed: list[tuple[float, int, Iterable[Any], dict[str, Any]]] = []
         self.time = 0.0  # Seconds after the start that the evaluation has reached.
         # An argument that is given and neither declared nor read gets a note.
         self.read: set[str] = set()
         self.failed_at: Place | None = None  # The line of the action that raised an error.
-        self.including: list[str] = []  # The paths of the files around the current action.
-        self._configurations: dict[str, Any] = {}
-        self._environment = dict(os.environ)
-        self._pushed_configurations: list[dict[str, Any]] = []
-        self._pushed_environments: list[dict[str, str]] = []
-
-    @property
-    def launch_configurations(self) -> dict[str, Any]:
-        """The launch configurations of the innermost scope, which callers may change in place."""
-        return self._configurations
-
-    @property
-    def environment(self) -> dict[str, str]:
-        """The environment variables of the innermost scope, which callers may change in place."""
-        return self._environment
+        self._outer: dict[str, list[dict[str, Any]]] = {}  # Of the scopes around.
 
     def perform_substitution(self, substitution: Any) -> str:
         text: str = substitution.perform(self)
         return text
 
-    def push_configurations(self) -> None:
+    def begin_scope(self, kind: str) -> None:
+        """Begin a scope of `launch_configurations` or `environment`, with a copy of those here."""
         # A shallow copy, as launch makes it: lists in it are shared with the scope around.
-        self._pushed_configurations.append(dict(self._configurations))
+        self._outer.setdefault(kind, []).append(dict(getattr(self, kind)))
 
-    def pop_configurations(self) -> None:
-        self._configurations = self._pushed_configurations.pop()
-
-    def push_environment(self) -> None:
-        self._pushed_environments.append(dict(self._environment))
-
-    def pop_environment(self) -> None:
-        self._environment = self._pushed_environments.pop()
-
-    def reset_environment(self) -> None:
-        self._environment = dict(os.environ)
+    def end_scope(self, kind: str) -> None:
+        setattr(self, kind, self._outer[kind].pop())
 
     def changed_environment(self) -> dict[str, str | None]:
         """Return the variables of the innermost scope that differ; None for one that is unset."""
-        now = self._environment
+        now = self.environment
         changed: dict[str, str | None] = {
             name: value for name, value in now.items() if os.environ.get(name) != value
         }
         return changed | dict.fromkeys(os.environ.keys() - now.keys())
 
     def note(self, place: Place, text: str, level: str = "WARN") -> None:
-        self.notes.append({"file": place.file, "line": place.line, "level": level, "text": text})
+        self.notes.append({"place": place, "level": level, "text": text})
 
 
-SomeSubstitutionsType = Any  # A text, a substitution, or several of them that are joined.
+SomeSubstitutionsType = Any
+Text = Any  # A text, a path, a substitution, or several of these that are joined.
+Texts = Any  # Several of these.
+Flag = Any  # A bool, or texts with a substitution that stand for one.
+Number = Any  # A float, or texts with a substitution that stand for one.
 
 
-class Substitution:
-    """The base of all substitutions: each stands for a text."""
+@dataclass(eq=False)
+class Made:
+    """The base of what a launch file makes: its line is known, and what it is given is checked.
 
-    def __init__(self) -> None:
+    A field that is annotated as Text becomes a list of substitutions, one as Texts a list of such
+    lists; one as Flag or Number becomes that, or a list of substitutions. None stays None.
+    """
+
+    def __post_init__(self) -> None:
         self.place = calling_place()
+        for field in fields(self):
+            value, check = getattr(self, field.name), _CHECKS.get(str(field.type).split(" ")[0])
+            if check is not None and value is not None:
+                setattr(self, field.name, check(value))
+
+
+@dataclass(eq=False)
+class Substitution(Made):
+    """The base of all substitutions: each stands for a text."""
 
     def perform(self, context: LaunchContext) -> str:
         """Return the text that the substitution stands for now; SubstitutionFailure without one."""
@@ -154,17 +143,16 @@ class Substitution:
 
     def describe(self) -> str:
         """Return the substitution as `--show-args` shows a default."""
-        return type(self).__name__
+        texts = [describe(getattr(self, f.name)) for f in fields(self) if f.type == "Text"]
+        return f"{type(self).__name__}({', '.join(texts)})"
 
 
+@dataclass(eq=False)
 class TextSubstitution(Substitution):
     """A text that stands for itself."""
 
-    def __init__(self, *, text: str) -> None:
-        super().__init__()
-        if not isinstance(text, str):
-            raise TypeError(f"TextSubstitution takes a text, not {text!r}")
-        self.text = text
+    _: KW_ONLY
+    text: str
 
     def perform(self, context: LaunchContext) -> str:
         return self.text
@@ -173,13 +161,16 @@ class TextSubstitution(Substitution):
         return self.text
 
 
-def normalize_to_list_of_substitutions(given: SomeSubstitutionsType) -> list[Substitution]:
+def describe(parts: Iterable[Substitution]) -> str:
+    """Return the parts of a text as `--show-args` shows a default."""
+    return "".join(part.describe() for part in parts)
+
+
+def normalize_to_list_of_substitutions(given: Text) -> list[Substitution]:
     """Return a text, a path, a substitution, or several of them, as a list of substitutions."""
-    if isinstance(given, (str, os.PathLike, Substitution)):
-        return [_part(given)]
-    if isinstance(given, Iterable):
+    if isinstance(given, Iterable) and not isinstance(given, (str, os.PathLike)):
         return [_part(part) for part in given]
-    raise TypeError(_wanted(given))
+    return [_part(given)]
 
 
 def _part(given: object) -> Substitution:
@@ -187,14 +178,45 @@ def _part(given: object) -> Substitution:
         return given
     if isinstance(given, (str, os.PathLike)):
         return TextSubstitution(text=os.fspath(given))
-    raise TypeError(_wanted(given))
-
-
-def _wanted(given: object) -> str:
     is_plain = isinstance(given, (bool, int, float))
-    hint = f": write '{str(given).lower() if isinstance(given, bool) else given}'"
+    hint = f": write '{str(given).lower()}'" if is_plain else ""
     kind = type(given).__name__
-    return f"a text or a substitution is wanted, not {kind} {given!r}{hint if is_plain else ''}"
+    raise TypeError(f"a text or a substitution is wanted, not {kind} {given!r}{hint}")
+
+
+def is_substitution(given: object) -> bool:
+    """Return True for a substitution, or a list with one; a list of texts alone is none."""
+    if isinstance(given, Substitution):
+        return True
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+        return False
+    parts = list(given)
+    of_text = all(isinstance(part, (Substitution, str)) for part in parts)
+    return of_text and any(isinstance(part, Substitution) for part in parts)
+
+
+def _flag(given: Any) -> Any:
+    if isinstance(given, bool):
+        return given
+    if not is_substitution(given):
+        raise TypeError(f"True, False or a substitution is wanted, not {given!r}")
+    return normalize_to_list_of_substitutions(given)
+
+
+def _number(given: Any) -> Any:
+    if is_substitution(given):
+        return normalize_to_list_of_substitutions(given)
+    if isinstance(given, bool):
+        raise TypeError(f"a number or a substitution is wanted, not {given!r}")
+    return float(given)
+
+
+_CHECKS: dict[str, Callable[[Any], Any]] = {
+    "Text": normalize_to_list_of_substitutions,
+    "Texts": lambda given: [normalize_to_list_of_substitutions(part) for part in given],
+    "Flag": _flag,
+    "Number": _number,
+}
 
 
 def perform_substitutions(context: LaunchContext, parts: Iterable[Substitution]) -> str:
@@ -202,61 +224,42 @@ def perform_substitutions(context: LaunchContext, parts: Iterable[Substitution])
     return "".join([context.perform_substitution(part) for part in parts])
 
 
-def perform(context: LaunchContext, given: SomeSubstitutionsType) -> str:
+def perform(context: LaunchContext, given: Text) -> str:
     """Return the text of what a launch file gives: a text, a substitution, or a list of them."""
     return perform_substitutions(context, normalize_to_list_of_substitutions(given))
 
 
-def is_substitution(given: object) -> bool:
-    """Return True for a substitution, or a list with one; a list of texts alone is none."""
-    if isinstance(given, Substitution):
-        return True
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        return False
-    parts = list(given)
-    of_text = all(isinstance(part, (Substitution, str)) for part in parts)
-    return of_text and any(isinstance(part, Substitution) for part in parts)
-
-
-class Condition:
-    """A rule, given as a function of the context, that decides whether an action is performed."""
-
-    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
-        self.place = calling_place()
-        self._predicate = predicate
+@dataclass(eq=False)
+class Condition(Made):
+    """The base of the rules that decide whether an action is performed."""
 
     def evaluate(self, context: LaunchContext) -> bool:
-        return self._predicate(context)
+        raise NotImplementedError
 
 
-class LaunchDescriptionEntity:
+@dataclass(eq=False)
+class LaunchDescriptionEntity(Made):
     """The base of everything that a launch description contains."""
-
-    declares_argument = resets_arguments = is_conditional = False
-
-    def __init__(self) -> None:
-        self.place = calling_place()
 
     def visit(self, context: LaunchContext) -> Iterable[Any] | None:
         """Perform the entity, and return the entities to perform next; None for none."""
         raise NotImplementedError
 
+    def is_conditional(self) -> bool:
+        """Return True if only the evaluation tells whether the entity is performed."""
+        return False
+
     def sub_entities(self) -> Iterable[Any]:
         """Return the contained entities that are known before the evaluation; by default none."""
         return ()
 
-    def given_names(self) -> set[str]:
-        """Return the names of the arguments that this entity gives to its sub-entities."""
-        return set()
 
-
+@dataclass(eq=False)
 class Action(LaunchDescriptionEntity):
     """The base of all actions, which are performed only if their condition holds."""
 
-    def __init__(self, *, condition: Condition | None = None) -> None:
-        super().__init__()
-        self.condition = condition
-        self.is_conditional = condition is not None
+    _: KW_ONLY
+    condition: Condition | None = None
 
     def visit(self, context: LaunchContext) -> Iterable[Any] | None:
         if self.condition is None or self.condition.evaluate(context):
@@ -266,6 +269,9 @@ class Action(LaunchDescriptionEntity):
     def execute(self, context: LaunchContext) -> Iterable[Any] | None:
         """Perform the action, and return the entities to perform next; None for none."""
         raise NotImplementedError
+
+    def is_conditional(self) -> bool:
+        return self.condition is not None
 
 
 class LaunchDescription(LaunchDescriptionEntity):
@@ -292,43 +298,19 @@ class LaunchDescription(LaunchDescriptionEntity):
         return self.entities
 
 
-class DeclaredArgument(NamedTuple):
-    """An argument that a launch file, or one that it includes, declares."""
-
-    argument: Any  # The DeclareLaunchArgument.
-    is_conditional: bool  # A condition or a timer decides whether it is declared.
-    given: frozenset[str]  # By the includes around it.
-
-    @property
-    def is_required(self) -> bool:
-        """True if a value must be given: there is no default, and no condition decides."""
-        return self.argument.default_value is None and not self.is_conditional
-
-
-def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
-    """Return the arguments that entities declare; of several of a name, the first.
+def known_entities(
+    entities: Iterable[Any], is_conditional: bool = False
+) -> Iterator[tuple[Any, bool]]:
+    """Yield all entities that are known before the evaluation, and True for a conditional one.
 
     Included files whose paths are known are loaded, which runs the code in them; one that fails
     counts as empty.
     """
-    found: dict[str, DeclaredArgument] = {}
-    for declared in _walk(entities, False, frozenset()):
-        found.setdefault(declared.argument.name, declared)
-    return list(found.values())
-
-
-def _walk(
-    entities: Iterable[Any], is_conditional: bool, given: frozenset[str]
-) -> Iterator[DeclaredArgument]:
     for entity in entities:
-        if not isinstance(entity, LaunchDescriptionEntity):
-            continue  # The evaluation will tell.
-        if entity.resets_arguments:
-            return  # What is declared after it cannot be given any more.
-        conditional = is_conditional or entity.is_conditional
-        if entity.declares_argument:
-            yield DeclaredArgument(entity, conditional, given)
-        yield from _walk(entity.sub_entities(), conditional, given | entity.given_names())
+        if isinstance(entity, LaunchDescriptionEntity):
+            conditional = is_conditional or entity.is_conditional()
+            yield entity, conditional
+            yield from known_entities(entity.sub_entities(), conditional)
 
 
 def visit(entity: Any, context: LaunchContext, within: Place) -> None:
@@ -336,27 +318,24 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
     if not isinstance(entity, LaunchDescriptionEntity):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
         raise SubstitutionFailure(text, within)
-    around = len(context.including)
     try:
         found = entity.visit(context)
     except SkipActionError as error:
-        is_elsewhere = error.is_value and error.place != entity.place
-        needed_by = f" (line {entity.place.line})" if is_elsewhere else ""
-        context.note(error.place, f"{error}{needed_by}")
+        place = error.place or entity.place
+        needed_by = f" (line {entity.place.line})" if place != entity.place else ""
+        context.note(place, f"{error}{needed_by}")
         return
     except Exception:
         context.failed_at = entity.place
         raise
     for part in found or ():
         visit(part, context, entity.place)
-    del context.including[around:]  # What the entity has included is over.
 
 
 def visit_delayed(context: LaunchContext) -> None:
     """Perform the actions of timers in the order of their times, without waiting."""
     while context.delayed:
-        delayed = heapq.heappop(context.delayed)
-        context.time = delayed.time
-        vars(context.locals).update(delayed.local_values)
-        for action in delayed.actions:
+        context.time, _, actions, local_values = heapq.heappop(context.delayed)
+        vars(context.locals).update(local_values)
+        for action in actions:
             visit(action, context, Place("", 0))

@@ -11,8 +11,7 @@ from xml.parsers import expat
 import yaml
 
 from archo_tui import regular_files
-from archo_tui.launch.stand_ins.core import InvalidLaunchFileError, Place
-from archo_tui.launch.stand_ins.values import SCALARS, parts_of
+from archo_tui.launch.stand_ins.core import Place, SubstitutionFailure
 from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
@@ -24,98 +23,69 @@ ENDINGS = {".xml": "xml", ".launch": "xml", ".yaml": "yaml", ".yml": "yaml"}
 class Element:
     """An element of a launch file, whose attributes and sub-elements are asked for once each.
 
-    XML has texts, which become the type that is asked for; the values of YAML must have it. In
-    both, a text may stand for any type, since it may have substitutions.
+    XML has texts; the values of YAML must have the type that is asked for, or be texts, which may
+    have substitutions.
     """
 
-    def __init__(self, tag: str, place: Place, is_typed: bool) -> None:
+    def __init__(self, tag: str, place: Place, is_yaml: bool) -> None:
         self.tag, self.place = tag, place
         self.attributes: dict[str, Any] = {}
         self.elements: list[Element] = []
-        self.has_children = not is_typed  # In YAML there is a list of them, which may be empty.
-        self._is_typed = is_typed
+        self.has_children = not is_yaml  # In YAML there is a list of them, which may be empty.
+        self._is_yaml = is_yaml
         self._asked: set[str] = set()
 
-    def get(self, name: str, kind: Any = str) -> Any:
-        """Return an attribute of a type, by default a text; None if there is none."""
-        self._asked.update((name, f"{name}-sep"))
-        value = self.attributes.get(name)
-        if value is None:
-            return None
-        if self._is_typed:
-            return self._checked(name, value, kind)
-        separator = self.attributes.get(f"{name}-sep")
-        if separator is None:
-            return self._coerced(name, value, kind)
-        wanted = parts_of(kind)[0] if kind is not None else None
-        return [self._coerced(name, part, wanted) for part in value.split(separator)]
+    def get(self, name: str, kind: type = str) -> Any:
+        """Return an attribute, of a type or a text; None if there is none.
 
-    def need(self, name: str, kind: Any = str) -> Any:
+        With `NAME-sep` of XML it is a list of texts. The type `object` stands for any.
+        """
+        self._asked.update((name, f"{name}-sep"))
+        value, separator = self.attributes.get(name), self.attributes.get(f"{name}-sep")
+        if isinstance(value, str) and separator is not None:
+            return value.split(separator)
+        if value is None or isinstance(value, (kind, str)):
+            return value
+        what = f"{kind.__name__} is wanted, not {value!r}"
+        if kind is str:
+            what = f'a text is wanted: "{str(value).lower()}"'
+        raise self.failure(f"{name} of {self.tag}: {what}")
+
+    def need(self, name: str, kind: type = str) -> Any:
         """Return an attribute that must be there."""
         value = self.get(name, kind)
         if value is None:
-            near = nearest_hint(name, self.attributes)
-            raise InvalidLaunchFileError(f"{self.tag} has no {name}{near}", self.place)
+            raise self.failure(f"{self.tag} has no {name}{nearest_hint(name, self.attributes)}")
         return value
 
     def named(self, tag: str) -> list[Element]:
         """Return the sub-elements of a tag."""
         self._asked.add(tag)
         if tag in self.attributes:
-            text = f"{tag} of {self.tag}: a list is wanted, as `{tag}: [{{...}}]`"
-            raise InvalidLaunchFileError(text, self.place)
+            raise self.failure(f"{tag} of {self.tag}: a list is wanted, as `{tag}: [{{...}}]`")
         return [element for element in self.elements if element.tag == tag]
 
     def others(self, *left_out: str) -> list[Element]:
         """Return all sub-elements but those of some tags: actions."""
         if not self.has_children:
-            text = f"{self.tag} has no list of actions: write it as `children:`"
-            raise InvalidLaunchFileError(text, self.place)
+            raise self.failure(f"{self.tag} has no list of actions: write it as `children:`")
         found = [element for element in self.elements if element.tag not in left_out]
         self._asked.update(element.tag for element in found)
         return found
 
     def check_all_asked(self) -> None:
-        """Raise InvalidLaunchFileError for a part that nobody has asked for."""
+        """Raise SubstitutionFailure for a part that nobody has asked for."""
         for name in [*self.attributes, *(element.tag for element in self.elements)]:
             if name not in self._asked:
                 near = nearest_hint(name, self._asked)
-                raise InvalidLaunchFileError(f"{self.tag} takes no {name}{near}", self.place)
+                raise self.failure(f"{self.tag} takes no {name}{near}")
 
-    def _checked(self, name: str, value: Any, kind: Any) -> Any:
-        scalar, takes_list = parts_of(kind)
-        is_list = isinstance(value, list)
-        parts = value if is_list else [value]
-        wanted = SCALARS if kind is None else (scalar, str)
-        # A text may stand for a list, too.
-        is_of_shape = kind is None or is_list == takes_list or isinstance(value, str)
-        if is_of_shape and all(isinstance(part, wanted) for part in parts):
-            return value
-        what = f'a text is wanted: "{str(value).lower()}"'
-        if kind is not str:
-            what = f"{'a value' if kind is None else scalar.__name__} is wanted, not {value!r}"
-        raise InvalidLaunchFileError(f"{name} of {self.tag}: {what}", self.place)
-
-    def _coerced(self, name: str, text: str, kind: Any) -> Any:
-        """Return a text as a value of a type, or as it is: it may have substitutions."""
-        if kind is str:
-            return text
-        if kind is bool:  # launch takes these two besides YAML's words.
-            text = {"1": "true", "0": "false"}.get(text, text)
-        try:
-            value = kind(text) if kind in (int, float) else yaml.safe_load(text or "''")
-        except (ValueError, yaml.YAMLError):
-            return text
-        # Texts may become anything yet; all else in a list is of one type.
-        kinds = {type(part) for part in (value if isinstance(value, list) else [value])} - {str}
-        if len(kinds) > 1 or not kinds.issubset(SCALARS):
-            why = f"{name} of {self.tag} is {text!r}, neither a value nor a list of one type"
-            raise InvalidLaunchFileError(why, self.place)
-        return value
+    def failure(self, text: str) -> SubstitutionFailure:
+        return SubstitutionFailure(text, self.place)
 
 
 def read(path: str) -> Element:
-    """Return the root element of a launch file; raise InvalidLaunchFileError."""
+    """Return the root element of a launch file; raise SubstitutionFailure."""
     if ENDINGS[os.path.splitext(path)[1]] == "yaml":
         return _read_yaml(path)
     return _XmlReader(path).root
@@ -134,10 +104,10 @@ class _XmlReader:
             self._parser.Parse(regular_files.read(Path(path)), True)
         except expat.ExpatError as error:
             why = f"not XML: {expat.ErrorString(error.code)}"
-            raise InvalidLaunchFileError(why, Place(path, error.lineno)) from None
+            raise SubstitutionFailure(why, Place(path, error.lineno)) from None
         except (LookupError, ValueError):  # As for `encoding="none such"`.
             why = "not XML: its encoding is not known"
-            raise InvalidLaunchFileError(why, Place(path, 1)) from None
+            raise SubstitutionFailure(why, Place(path, 1)) from None
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = Element(tag, Place(self._path, self._parser.CurrentLineNumber), False)
@@ -153,7 +123,7 @@ class _XmlReader:
 
     def _refuse(self, name: str, *_: object) -> None:
         place = Place(self._path, self._parser.CurrentLineNumber)
-        raise InvalidLaunchFileError(f"entities (&{name};) are not read: write it out", place)
+        raise SubstitutionFailure(f"entities (&{name};) are not read: write it out", place)
 
 
 def _read_yaml(path: str) -> Element:
@@ -161,13 +131,13 @@ def _read_yaml(path: str) -> Element:
         text = bounded_yaml.read(Path(path))
         bounded_yaml.node_of(text)  # Raises for what never ends, or is no YAML.
     except YamlFault as fault:
-        raise InvalidLaunchFileError(fault.reason, Place(path, fault.line)) from None
+        raise SubstitutionFailure(fault.reason, Place(path, fault.line)) from None
     except bounded_yaml.YamlError as error:  # It cannot be read; its text begins with the file.
         why = str(error).removeprefix(f"{path}:").strip()
-        raise InvalidLaunchFileError(why, Place(path, 0)) from None
+        raise SubstitutionFailure(why, Place(path, 0)) from None
     node = yaml.compose(text, Loader=yaml.SafeLoader)
     if not isinstance(node, yaml.MappingNode) or len(node.value) != 1:
-        raise InvalidLaunchFileError("it does not begin with launch: alone", Place(path, 1))
+        raise SubstitutionFailure("it does not begin with launch: alone", Place(path, 1))
     [(key, content)] = node.value
     return _yaml_element(path, key, content)
 
@@ -186,7 +156,7 @@ def _yaml_element(path: str, key: yaml.Node, node: yaml.Node) -> Element:
             else:
                 element.attributes[name.value] = _YAML.construct_document(content)
     else:
-        raise InvalidLaunchFileError(f"{element.tag}: a mapping or a list is wanted", element.place)
+        raise element.failure(f"{element.tag}: a mapping or a list is wanted")
     return element
 
 
@@ -194,7 +164,7 @@ def _yaml_entities(path: str, node: yaml.SequenceNode) -> Iterator[Element]:
     for part in node.value:
         if not isinstance(part, yaml.MappingNode) or len(part.value) != 1:
             place = Place(path, part.start_mark.line + 1)
-            raise InvalidLaunchFileError("each entry is one action, as `- node:`", place)
+            raise SubstitutionFailure("each entry is one action, as `- node:`", place)
         [(key, content)] = part.value
         yield _yaml_element(path, key, content)
 

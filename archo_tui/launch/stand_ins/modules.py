@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import logging
-import re
-import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from types import ModuleType
 from typing import Any
 
+from archo_tui.launch.import_stand_ins import ModuleContents, importable
 from archo_tui.launch.stand_ins import (
     actions,
     conditions,
@@ -20,125 +18,83 @@ from archo_tui.launch.stand_ins import (
     substitutions,
     values,
 )
-from archo_tui.launch.stand_ins.absent import REASONS, absent_class
-
-_INDEX = {
-    name: vars(packages)[name]
-    for name in (
-        *("PackageNotFoundError", "get_package_prefix", "get_package_share_directory"),
-        *("get_package_share_path", "get_packages_with_prefixes"),
-    )
-}
-_SUBSTITUTION = {
-    name: vars(core)[name]
-    for name in ("Substitution", "SomeSubstitutionsType", "normalize_to_list_of_substitutions")
-}
+from archo_tui.launch.stand_ins.absent import ABSENT, absent_class
 
 
-def _public(module: ModuleType) -> dict[str, Any]:
-    names: list[str] = vars(module)["__all__"]
-    return {name: vars(module)[name] for name in names}
+def _names(of: Any, *names: str) -> dict[str, Any]:
+    return {name: getattr(of, name) for name in names}
 
 
-_CONTENTS: Mapping[str, Mapping[str, Any]] = {
-    "ament_index_python": _INDEX,
-    "ament_index_python.packages": _INDEX,
-    "ament_index_python.resources": {"has_resource": packages.has_resource},
-    "launch": {
-        "Action": core.Action,
-        "Condition": core.Condition,
-        "LaunchContext": core.LaunchContext,
-        "LaunchDescription": core.LaunchDescription,
-        "LaunchDescriptionEntity": core.LaunchDescriptionEntity,
-        "SomeSubstitutionsType": Any,
-        "Substitution": core.Substitution,
-    },
-    "launch.action": {"Action": core.Action},
-    "launch.actions": _public(actions),
-    "launch.condition": {"Condition": core.Condition},
-    "launch.conditions": _public(conditions),
-    "launch.launch_context": {"LaunchContext": core.LaunchContext},
-    "launch.launch_description": {"LaunchDescription": core.LaunchDescription},
-    "launch.launch_description_entity": {"LaunchDescriptionEntity": core.LaunchDescriptionEntity},
-    "launch.launch_description_sources": _public(sources),
+def _classes(module: ModuleType) -> dict[str, Any]:
+    """Return the public classes that a module defines."""
+    return {
+        name: value
+        for name, value in vars(module).items()
+        if getattr(value, "__module__", "") == module.__name__
+        and isinstance(value, type)
+        and not name.startswith("_")
+    }
+
+
+_OF_INDEX = _names(
+    packages,
+    *("PackageNotFoundError", "get_package_prefix", "get_package_share_directory"),
+    *("get_package_share_path", "get_packages_with_prefixes"),
+)
+_CONTENTS: dict[str, ModuleContents] = {
+    "ament_index_python": _OF_INDEX,
+    "ament_index_python.packages": _OF_INDEX,
+    "ament_index_python.resources": _names(packages, "has_resource"),
+    "launch": _names(
+        core,
+        *("Action", "Condition", "LaunchContext", "LaunchDescription", "LaunchDescriptionEntity"),
+        *("SomeSubstitutionsType", "Substitution"),
+    ),
+    "launch.actions": _classes(actions),
+    "launch.conditions": _classes(conditions),
+    "launch.launch_description_sources": _classes(sources),
     "launch.logging": {"get_logger": logging.getLogger},
-    "launch.some_substitutions_type": {"SomeSubstitutionsType": Any},
-    "launch.substitution": _SUBSTITUTION,
-    "launch.substitutions": _public(substitutions),
-    "launch.utilities": {
-        "normalize_to_list_of_substitutions": core.normalize_to_list_of_substitutions,
-        "perform_substitutions": core.perform_substitutions,
+    "launch.substitutions": {
+        **_classes(substitutions),
+        **_names(core, "SubstitutionFailure", "TextSubstitution"),
     },
+    "launch.utilities": _names(core, "normalize_to_list_of_substitutions", "perform_substitutions"),
     "launch_ros": {},
-    "launch_ros.actions": _public(ros_actions),
-    "launch_ros.descriptions": _public(values),
-    "launch_ros.parameter_descriptions": _public(values),
-    "launch_ros.substitutions": {n: vars(substitutions)[n] for n in substitutions.OF_ROS},
+    "launch_ros.actions": _classes(ros_actions),
+    "launch_ros.descriptions": _classes(values),
+    "launch_ros.parameter_descriptions": _classes(values),
+    "launch_ros.substitutions": _names(packages, "FindPackagePrefix", "FindPackageShare"),
     "launch_xml": {},
-    "launch_xml.launch_description_sources": {
-        "XMLLaunchDescriptionSource": sources.XMLLaunchDescriptionSource
-    },
+    "launch_xml.launch_description_sources": _names(sources, "XMLLaunchDescriptionSource"),
     "launch_yaml": {},
-    "launch_yaml.launch_description_sources": {
-        "YAMLLaunchDescriptionSource": sources.YAMLLaunchDescriptionSource
-    },
-    # Its modules are absent.
+    "launch_yaml.launch_description_sources": _names(sources, "YAMLLaunchDescriptionSource"),
     "nav2_common": {},
 }
+_FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *ABSENT]}
 
 
-# The packages in which each class has a module of its own, which editors import it from.
-_SPLIT = (
-    *("launch.actions", "launch.conditions", "launch.launch_description_sources"),
-    *("launch.substitutions", "launch_ros.actions"),
-)
-
-
-@contextmanager
-def importable_stand_ins() -> Iterator[None]:
+def importable_stand_ins() -> AbstractContextManager[None]:
     """Let imports inside this context find the stand-ins instead of installed packages."""
-    modules = {name: _module(name, name) for name in dict.fromkeys([*_CONTENTS, *REASONS])}
-    for package in _SPLIT:
-        for name in vars(modules[package])["__all__"]:
-            own = f"{package}.{_snake_case(name)}"
-            modules[own] = _module(own, package)
-    for name, module in modules.items():
-        parent, _, last = name.rpartition(".")
-        if parent:
-            setattr(modules[parent], last, module)
-    families = tuple({name.partition(".")[0] for name in modules})
-    hidden = {name: sys.modules.pop(name) for name in list(sys.modules) if _is_of(name, families)}
-    sys.modules.update(modules)
-    try:
-        yield
-    finally:
-        for name in [name for name in sys.modules if _is_of(name, families)]:
-            del sys.modules[name]
-        sys.modules.update(hidden)
+    return importable(_FAMILIES, _contents, lambda name, what: absent_class(_home(name), what))
 
 
-def _is_of(name: str, families: tuple[str, ...]) -> bool:
-    return name.partition(".")[0] in families
+def _home(name: str) -> str:
+    """Return the package of a class's own module, which editors import from: `launch.actions`.
+
+    Any other module is its own.
+    """
+    parent, _, last = name.rpartition(".")
+    is_known = (
+        name in _CONTENTS or name in ABSENT or not name.startswith(("launch.", "launch_ros."))
+    )
+    return name if is_known or not last.islower() else parent
 
 
-def _snake_case(name: str) -> str:
-    """Return the name of a class's module: `set_remap` for `SetRemap`."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
-
-
-def _module(name: str, contents_of: str) -> ModuleType:
-    """Return a new module with stand-ins; what is not supported is a subclass of Absent."""
-    module = ModuleType(name)
-
-    def __getattr__(attribute: str) -> Any:  # PEP 562: what is not here, by its name.
-        found = absent_class(contents_of, attribute)
-        if found is None:
-            raise AttributeError(f"module {name!r} has no attribute {attribute!r}")
-        setattr(module, attribute, found)
-        return found
-
-    contents = _CONTENTS.get(contents_of, {})
-    everything = [*contents, *filter(None, REASONS.get(contents_of, {}))]  # For `import *`.
-    # Without a path, nothing of an installed package of the name is found.
-    module.__dict__.update(contents, __path__=[], __all__=everything, __getattr__=__getattr__)
-    return module
+def _contents(name: str) -> ModuleContents | None:
+    """Return the names of a module, with those that are not supported for `import *`."""
+    home = _home(name)
+    if home not in _CONTENTS and home not in ABSENT:
+        return None
+    found = _CONTENTS.get(home, {})
+    named = ABSENT.get(home, {}).keys() - {"*"}
+    return {**found, "__all__": [*found, *named]}

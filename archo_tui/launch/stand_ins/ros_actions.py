@@ -4,131 +4,124 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import KW_ONLY, asdict, dataclass
 from typing import Any
 
 import yaml
 
+from archo_tui.errors import ArchoError
 from archo_tui.launch.stand_ins import packages
 from archo_tui.launch.stand_ins.core import (
     Action,
-    Condition,
+    Flag,
     LaunchContext,
+    Number,
     SkipActionError,
-    SomeSubstitutionsType,
     SubstitutionFailure,
-    normalize_to_list_of_substitutions,
+    Text,
+    Texts,
+    at,
     perform,
-    perform_substitutions,
 )
 from archo_tui.launch.stand_ins.values import (
     Parameter,
     ParameterFile,
-    check_typed,
     evaluate_parameters,
-    perform_typed,
+    flag,
+    number,
 )
-from archo_tui.nearest import nearest_hint
-
-__all__ = [
-    "LifecycleNode",
-    "Node",
-    "PushROSNamespace",
-    "PushRosNamespace",
-    "SetParameter",
-    "SetParametersFromFile",
-    "SetRemap",
-]
 
 # Names of nodes and of the parts of namespaces (https://design.ros2.org/articles/topic_and_service_names.html).
 _TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_NAMES_OF_LISTS = {  # The launch configurations that hold what all nodes of a scope get.
-    "parameters": "global_params",
-    "remappings": "ros_remaps",
-}
-# Options of a process that say nothing about what runs, and those that are not followed here.
-_SILENT = (
-    *("cached_output", "emulate_tty", "exec_name", "log_cmd", "output_format"),
-    *("sigkill_timeout", "sigterm_timeout"),
-)
+# The launch configurations that hold what all nodes of a scope get.
+_NAMESPACE, _PARAMETERS, _REMAPPINGS = "ros_namespace", "global_params", "ros_remaps"
 _NOT_FOLLOWED = ("cwd", "on_exit", "prefix", "respawn_max_retries", "shell")
 
 
+@dataclass(eq=False)
 class Node(Action):
     """The action that adds a program to those to start, with notes on options not followed."""
 
-    def __init__(
-        self,
-        *,
-        executable: SomeSubstitutionsType,
-        package: SomeSubstitutionsType | None = None,
-        name: SomeSubstitutionsType | None = None,
-        namespace: SomeSubstitutionsType | None = None,
-        parameters: Iterable[Any] | None = None,
-        remappings: Iterable[tuple[Any, Any]] | None = None,
-        ros_arguments: Iterable[SomeSubstitutionsType] | None = None,
-        arguments: Iterable[SomeSubstitutionsType] | None = None,
-        env: Mapping[Any, Any] | None = None,
-        additional_env: Mapping[Any, Any] | None = None,
-        output: SomeSubstitutionsType = "log",
-        respawn: bool | SomeSubstitutionsType = False,
-        respawn_delay: float | SomeSubstitutionsType | None = 0.0,
-        condition: Condition | None = None,
-        **options: Any,
-    ) -> None:
-        super().__init__(condition=condition)
-        known = (*_KNOWN_OPTIONS, *_SILENT, *_NOT_FOLLOWED)
-        for option in options:
-            if option not in known:
-                near = nearest_hint(option.removeprefix("node_"), known)
-                raise TypeError(f"Node takes no {option}{near}")
-        self._ignored = [option for option in _NOT_FOLLOWED if options.get(option)]
-        self._package, self._executable = package, executable
-        self._name, self._namespace = name, namespace
-        self._parameters = list(_checked_parameters(parameters))
-        self._remappings = [_checked_remapping(rule) for rule in remappings or ()]
-        self._ros_arguments = [normalize_to_list_of_substitutions(a) for a in ros_arguments or ()]
-        self._arguments = [normalize_to_list_of_substitutions(a) for a in arguments or ()]
-        self._environment = {**(env or {}), **(additional_env or {})}
-        self._output = output
-        check_typed(respawn, bool)
-        self._respawn = respawn
-        self._respawn_delay: Any = (
-            float(respawn_delay or 0) if _is_number(respawn_delay) else (respawn_delay)
-        )
-        check_typed(self._respawn_delay, float)
+    _: KW_ONLY
+    executable: Text
+    package: Text | None = None
+    name: Text | None = None
+    namespace: Text | None = None
+    parameters: list[Any] | None = None
+    remappings: Any = None
+    ros_arguments: Texts | None = None
+    arguments: Texts | None = None
+    env: Mapping[Any, Any] | None = None
+    additional_env: Mapping[Any, Any] | None = None
+    output: Any = "log"
+    respawn: Flag = False
+    respawn_delay: Number | None = None
+    # Not followed here.
+    cwd: Any = None
+    on_exit: Any = None
+    prefix: Any = None
+    respawn_max_retries: Any = None
+    shell: Any = None
+    # They say nothing about what runs.
+    cached_output: Any = None
+    emulate_tty: Any = None
+    exec_name: Any = None
+    log_cmd: Any = None
+    output_format: Any = None
+    sigkill_timeout: Any = None
+    sigterm_timeout: Any = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.parameters, (list, type(None))):
+            kind = type(self.parameters).__name__
+            raise TypeError(f"parameters is a list: parameters=[...], not {kind}")
+        ready = (Mapping, Parameter, ParameterFile)
+        self.parameters = [
+            entry if isinstance(entry, ready) else ParameterFile(entry)
+            for entry in self.parameters or ()
+        ]
+        self.remappings = list(self.remappings or ())
+        for rule in self.remappings:
+            if not isinstance(rule, tuple) or len(rule) != 2:
+                raise TypeError(f"a remapping is a pair in (): ('old', 'new'), not {rule!r}")
 
     def execute(self, context: LaunchContext) -> None:
-        if self._package is None:
-            path = perform(context, self._executable)
-            text = f"a Node without package runs {path}, which is not started here"
-            raise SkipActionError(text, self.place)
-        name = None if self._name is None else perform(context, self._name)
-        namespace = _namespace(context, self._namespace)
+        executable = perform(context, self.executable)
+        if self.package is None:
+            text = f"a Node without package runs {executable}, which is not started here"
+            raise SkipActionError(text)
+        package = perform(context, self.package)
+        name = None if self.name is None else perform(context, self.name)
+        namespace = _namespace(context, self.namespace)
         self._check_names(name, namespace)
-        respawn = bool(perform_typed(context, self._respawn, bool))
         environment = context.changed_environment()
-        for key, value in self._environment.items():
+        for key, value in {**(self.env or {}), **(self.additional_env or {})}.items():
             environment[perform(context, key)] = perform(context, value)
-        context.programs.append(
-            {
-                "package": perform(context, self._package),
-                "executable": perform(context, self._executable),
-                "name": name or "",
-                "namespace": namespace or "",
-                "ros_args": [*self._ros_args(context, name, namespace)],
-                "arguments": [perform_substitutions(context, part) for part in self._arguments],
-                "respawn": respawn,
-                "respawn_delay": perform_typed(context, self._respawn_delay, float),
-                "output": _output(context, self._output),
-                "environment": environment,
-                "start_delay": context.time,
-                "file": self.place.file,
-                "line": self.place.line,
-            }
-        )
-        for option in self._ignored:
-            context.note(self.place, f"{option} of a Node is not followed here")
+        program = {
+            "package": package,
+            "executable": executable,
+            "name": name or "",
+            "namespace": namespace or "",
+            "ros_args": [*self._ros_args(context, name, namespace)],
+            "arguments": [perform(context, part) for part in self.arguments or ()],
+            "respawn": flag(context, self.respawn),
+            "respawn_delay": number(context, self.respawn_delay or 0.0),
+            "output": _output(context, self.output),
+            "environment": environment,
+            "start_delay": context.time,
+            "file": os.path.realpath(self.place.file),  # Share folders have links.
+            "line": self.place.line,
+        }
+        try:
+            entry_point = packages.index.workspace.entry_point(package, executable)
+        except ArchoError as error:
+            raise SkipActionError(str(error)) from None
+        context.programs.append({**program, "entry_point": asdict(entry_point)})
+        for option in _NOT_FOLLOWED:
+            if getattr(self, option):
+                context.note(self.place, f"{option} of a Node is not followed here")
 
     def _check_names(self, name: str | None, namespace: str | None) -> None:
         rule = "letters, digits and _, and no digit first"
@@ -146,93 +139,80 @@ class Node(Action):
 
         Some parameters are written to a file for it.
         """
-        yield from [perform_substitutions(context, part) for part in self._ros_arguments]
+        yield from [perform(context, part) for part in self.ros_arguments or ()]
         if name is not None:
             yield from ("-r", f"__node:={name}")
         if namespace is not None:
             yield from ("-r", f"__ns:={namespace}")
-        for entry in context.launch_configurations.get(_NAMES_OF_LISTS["parameters"], ()):
+        for entry in context.launch_configurations.get(_PARAMETERS, ()):
             if isinstance(entry, tuple):
                 yield from ("-p", f"{entry[0]}:={entry[1]}")
             else:
-                yield from self._file_args(context, os.path.abspath(entry))
+                with at(self.place):
+                    file = ParameterFile(entry)
+                yield from self._file_args(context, file)
         both = name is not None and namespace is not None
         full_name = f"{(namespace or '').rstrip('/')}/{name}" if both else ""
-        for number, given in enumerate(self._parameters):
-            yield from self._parameter_args(context, given, full_name, number)
-        shared = context.launch_configurations.get(_NAMES_OF_LISTS["remappings"], ())
-        own = [(perform(context, old), perform(context, new)) for old, new in self._remappings]
+        for place, given in enumerate(self.parameters or []):
+            yield from self._parameter_args(context, given, full_name, place)
+        shared = context.launch_configurations.get(_REMAPPINGS, ())
+        own = [(perform(context, old), perform(context, new)) for old, new in self.remappings]
         for old, new in [*shared, *own]:
             yield from ("-r", f"{old}:={new}")
 
     def _parameter_args(
-        self, context: LaunchContext, given: Any, full_name: str, number: int
+        self, context: LaunchContext, given: Any, full_name: str, place: int
     ) -> Iterator[str]:
         """Yield the arguments for an entry of `parameters`; a full name makes a file of them."""
         if isinstance(given, ParameterFile):
-            yield from self._file_args(context, given.evaluate(context), given)
+            yield from self._file_args(context, given)
             return
-        if isinstance(given, Parameter):
-            values = dict([given.evaluate(context)])
-        else:
-            values = evaluate_parameters(context, given)
-            if full_name and values:  # launch_ros writes a file then, which has precedence.
-                folder = packages.index.prefix / "parameters"
-                folder.mkdir(parents=True, exist_ok=True)
-                file = folder / f"{len(context.programs)}_{number}.yaml"
-                text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
-                file.write_text(text, encoding="utf-8")
-                yield from ("--params-file", str(file))
-                return
+        is_one = isinstance(given, Parameter)
+        values = evaluate_parameters(context, {tuple(given.name): given} if is_one else given)
+        if full_name and values and not is_one:  # launch_ros writes a file, which has precedence.
+            folder = packages.index.prefix / "parameters"
+            folder.mkdir(parents=True, exist_ok=True)
+            file = folder / f"{len(context.programs)}_{place}.yaml"
+            text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
+            file.write_text(text, encoding="utf-8")
+            yield from ("--params-file", str(file))
+            return
         for name, value in values.items():
             yield from ("-p", f"{name}:={_in_one_line(value)}")
 
-    def _file_args(
-        self, context: LaunchContext, path: str, given: ParameterFile | None = None
-    ) -> Iterator[str]:
+    def _file_args(self, context: LaunchContext, given: ParameterFile) -> Iterator[str]:
         """Yield the arguments for a parameter file, or only add a note why it is left out."""
-        missing = packages.index.missing_package(path)
-        place = self.place if given is None else given.place
+        path = given.evaluate(context)
+        missing, name = packages.index.missing_package(path), os.path.basename(path)
         if missing:
-            file = os.path.basename(path)
-            context.note(place, f"{missing} is not here, so {file} of it is left out")
+            context.note(given.place, f"{missing} is not here, so {name} of it is left out")
         elif not os.path.isfile(path):
             why = packages.index.why_missing(path)
-            context.note(place, f"parameter file {os.path.basename(path)} is left out: {why}")
-        elif given is not None and given.is_substituted(context) and _has_substitutions(path):
-            text = f"{os.path.basename(path)} is left out: $(...) in it is not replaced here"
-            context.note(place, text)
+            context.note(given.place, f"parameter file {name} is left out: {why}")
+        elif flag(context, given.allow_substs) and _has_substitutions(path):
+            context.note(given.place, f"{name} is left out: $(...) in it is not replaced here")
         else:
             yield from ("--params-file", path)
 
 
-# The options of Node that have a parameter of their own, for hints.
-_KNOWN_OPTIONS = ("executable", *(Node.__init__.__kwdefaults__ or ()))
-
-
 class LifecycleNode(Node):
-    """A Node that must have a name and a namespace; nothing here configures or activates it."""
-
-    def __init__(
-        self, *, name: SomeSubstitutionsType, namespace: SomeSubstitutionsType, **options: Any
-    ) -> None:
-        super().__init__(name=name, namespace=namespace, **options)
+    """A managed node, which nothing here configures or activates."""
 
 
+@dataclass(eq=False)
 class PushROSNamespace(Action):
     """The action that sets or extends the namespace of the nodes that follow in the scope."""
 
-    def __init__(self, namespace: SomeSubstitutionsType, **options: Any) -> None:
-        super().__init__(**options)
-        self._namespace = normalize_to_list_of_substitutions(namespace)
+    namespace: Text
 
     def execute(self, context: LaunchContext) -> None:
-        context.launch_configurations["ros_namespace"] = _namespace(context, self._namespace)
+        context.launch_configurations[_NAMESPACE] = _namespace(context, self.namespace)
 
 
 PushRosNamespace = PushROSNamespace
 
 
+@dataclass(eq=False)
 class SetParameter(Action):
     """The action that sets a parameter of all nodes that follow in the scope.
 
@@ -240,84 +220,55 @@ class SetParameter(Action):
     there were such settings before.
     """
 
-    def __init__(self, name: SomeSubstitutionsType, value: Any, **options: Any) -> None:
-        super().__init__(**options)
-        self._name, self._value = normalize_to_list_of_substitutions(name), value
+    name: Text
+    value: Any
 
     def execute(self, context: LaunchContext) -> None:
-        values = evaluate_parameters(context, {tuple(self._name): self._value})
-        for name, value in values.items():
+        for name, value in evaluate_parameters(context, {tuple(self.name): self.value}).items():
             # launch_ros writes a list as Python's `(1, 2)`, which nodes read as a text.
             written = tuple(value) if isinstance(value, list) else value
-            _extend(context, _NAMES_OF_LISTS["parameters"], [(name, written)])
+            _append(context, _PARAMETERS, (name, written))
 
 
+@dataclass(eq=False)
 class SetParametersFromFile(Action):
     """The action that gives a parameter file to all nodes that follow; see SetParameter."""
 
-    def __init__(self, filename: SomeSubstitutionsType, **options: Any) -> None:
-        super().__init__(**options)
-        self._file = normalize_to_list_of_substitutions(filename)
+    filename: Text
 
     def execute(self, context: LaunchContext) -> None:
-        path = perform_substitutions(context, self._file)
-        _extend(context, _NAMES_OF_LISTS["parameters"], [path])
+        _append(context, _PARAMETERS, perform(context, self.filename))
 
 
+@dataclass(eq=False)
 class SetRemap(Action):
     """The action that remaps a name for all nodes that follow; see SetParameter."""
 
-    def __init__(
-        self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, **options: Any
-    ) -> None:
-        super().__init__(**options)
-        self._src = normalize_to_list_of_substitutions(src)
-        self._dst = normalize_to_list_of_substitutions(dst)
+    src: Text
+    dst: Text
 
     def execute(self, context: LaunchContext) -> None:
-        src = perform_substitutions(context, self._src)
-        dst = perform_substitutions(context, self._dst)
-        _extend(context, _NAMES_OF_LISTS["remappings"], [(src, dst)])
+        _append(context, _REMAPPINGS, (perform(context, self.src), perform(context, self.dst)))
 
 
-def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
-    """Add entries to a list in the launch configurations.
+def _append(context: LaunchContext, name: str, entry: Any) -> None:
+    """Add an entry to a list in the launch configurations.
 
-    As in launch, a scope shares the lists that the scope around it has already: both get the
-    entries.
+    As in launch, a scope shares the lists that the scope around it has already: both get it.
     """
-    context.launch_configurations.setdefault(name, []).extend(entries)
+    context.launch_configurations.setdefault(name, []).append(entry)
 
 
-def _namespace(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:
+def _namespace(context: LaunchContext, given: Text | None) -> str | None:
     """Return the full namespace of a node or scope, with a leading `/`; None if there is none."""
-    around: str | None = context.launch_configurations.get("ros_namespace")
-    own = None if given is None else perform(context, given)
-    if own is None:
+    around: str | None = context.launch_configurations.get(_NAMESPACE)
+    if given is None:
         return around
+    own = perform(context, given)
     if around and not own.startswith("/"):
         own = f"{around.rstrip('/')}/{own}"
     own = own if own == "/" else own.rstrip("/")
     return own if own.startswith("/") else f"/{own}"
-
-
-def _checked_parameters(given: Iterable[Any] | None) -> Iterator[Any]:
-    if given is not None and not isinstance(given, list):
-        raise TypeError(f"parameters is a list: parameters=[...], not {type(given).__name__}")
-    for entry in given or ():
-        is_ready = isinstance(entry, (Mapping, Parameter, ParameterFile))
-        yield entry if is_ready else ParameterFile(entry)
-
-
-def _checked_remapping(rule: Any) -> tuple[Any, Any]:
-    if not isinstance(rule, tuple) or len(rule) != 2:
-        raise TypeError(f"a remapping is a pair in (): ('old', 'new'), not {rule!r}")
-    old, new = rule
-    return normalize_to_list_of_substitutions(old), normalize_to_list_of_substitutions(new)
-
-
-def _is_number(value: Any) -> bool:
-    return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
 
 
 def _in_one_line(value: Any) -> str:

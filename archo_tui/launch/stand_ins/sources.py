@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -11,22 +12,15 @@ from typing import Any
 from archo_tui import regular_files
 from archo_tui.launch.stand_ins import packages
 from archo_tui.launch.stand_ins.core import (
-    InvalidLaunchFileError,
     LaunchContext,
     LaunchDescription,
+    Made,
     Place,
     SkipActionError,
-    SomeSubstitutionsType,
-    calling_place,
-    normalize_to_list_of_substitutions,
-    perform_substitutions,
+    SubstitutionFailure,
+    Text,
+    perform,
 )
-
-__all__ = [
-    "AnyLaunchDescriptionSource",
-    "FrontendLaunchDescriptionSource",
-    "PythonLaunchDescriptionSource",
-]
 
 _GENERATE = "generate_launch_description"
 
@@ -36,27 +30,29 @@ LOADERS: dict[str, Callable[[str], LaunchDescription]] = {}
 loaded_files: set[str] = set()  # The paths of the launch files, which errors are told of.
 
 
-class LaunchDescriptionSource:
-    """A launch file that another one includes."""
+@dataclass(eq=False)
+class AnyLaunchDescriptionSource(Made):
+    """A launch file in Python, XML or YAML that another launch file includes."""
 
-    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
-        self.place = calling_place()
-        self._path = normalize_to_list_of_substitutions(launch_file_path)
+    launch_file_path: Text
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self._loaded: dict[str, LaunchDescription] = {}
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
         """Return the path of the file, and what it describes; each path runs once only."""
-        path = os.path.abspath(perform_substitutions(context, self._path))
+        path = os.path.abspath(perform(context, self.launch_file_path))
         missing = packages.index.missing_package(path)
         if missing:
             text = f"{missing} is not here: start its {os.path.basename(path)} with ROS 2"
-            raise SkipActionError(text, self.place)
+            raise SkipActionError(text)
         if not self._takes(path):
             text = f"{os.path.basename(path)} is not for {type(self).__name__}"
             hint = "AnyLaunchDescriptionSource takes each kind"
-            raise InvalidLaunchFileError(f"{text}: {hint}", self.place)
+            raise SubstitutionFailure(f"{text}: {hint}", self.place)
         if not os.path.isfile(path):
-            raise InvalidLaunchFileError(packages.index.why_missing(path), self.place)
+            raise SubstitutionFailure(packages.index.why_missing(path), self.place)
         if path not in self._loaded:
             self._loaded[path] = load_launch_file(path)
         return path, self._loaded[path]
@@ -65,14 +61,14 @@ class LaunchDescriptionSource:
         return True
 
 
-class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+class PythonLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in Python that another launch file includes."""
 
     def _takes(self, path: str) -> bool:
         return path.endswith(".py")
 
 
-class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+class FrontendLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in XML or YAML that another launch file includes."""
 
     def _takes(self, path: str) -> bool:
@@ -87,10 +83,6 @@ class YAMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
     """A launch file in YAML that another launch file includes."""
 
 
-class AnyLaunchDescriptionSource(LaunchDescriptionSource):
-    """A launch file in Python, XML or YAML that another launch file includes."""
-
-
 def load_launch_file(path: str) -> LaunchDescription:
     """Run or read a launch file, and return what it describes; add its path to `loaded_files`."""
     loaded_files.add(path)
@@ -103,10 +95,10 @@ def _run(path: str) -> LaunchDescription:
     exec(compile(regular_files.read(Path(path)), path, "exec", dont_inherit=True), vars(module))
     generate: Any = vars(module).get(_GENERATE)
     if not callable(generate):
-        raise InvalidLaunchFileError(f"it has no function {_GENERATE}()", Place(path, 1))
+        raise SubstitutionFailure(f"it has no function {_GENERATE}()", Place(path, 1))
     description = generate()
     if not isinstance(description, LaunchDescription):
         line = getattr(getattr(generate, "__code__", None), "co_firstlineno", 1)
         text = f"{_GENERATE}() returns no LaunchDescription: end it with return LaunchDescription(["
-        raise InvalidLaunchFileError(f"{text}...])", Place(path, line))
+        raise SubstitutionFailure(f"{text}...])", Place(path, line))
     return description

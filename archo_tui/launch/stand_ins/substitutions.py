@@ -1,4 +1,4 @@
-"""The substitutions of `launch.substitutions`, and of `launch_ros.substitutions`."""
+"""The substitutions of `launch.substitutions`."""
 
 from __future__ import annotations
 
@@ -6,131 +6,88 @@ import importlib
 import math
 import os
 import random
-from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from archo_tui.launch.stand_ins import packages
 from archo_tui.launch.stand_ins.core import (
     LaunchContext,
-    SomeSubstitutionsType,
     Substitution,
     SubstitutionFailure,
-    TextSubstitution,
+    Text,
+    Texts,
+    describe,
     is_substitution,
     normalize_to_list_of_substitutions,
-    perform_substitutions,
+    perform,
 )
-from archo_tui.launch.stand_ins.values import typed_text
+from archo_tui.launch.stand_ins.values import flag
 from archo_tui.nearest import nearest_hint
 
-__all__ = [
-    "AllSubstitution",
-    "AndSubstitution",
-    "AnonName",
-    "AnySubstitution",
-    "EnvironmentVariable",
-    "EqualsSubstitution",
-    "FileContent",
-    "IfElseSubstitution",
-    "LaunchConfiguration",
-    "NotEqualsSubstitution",
-    "NotSubstitution",
-    "OrSubstitution",
-    "PathJoinSubstitution",
-    "PathSubstitution",
-    "PythonExpression",
-    "SubstitutionFailure",
-    "TextSubstitution",
-    "ThisLaunchFile",
-    "ThisLaunchFileDir",
-]
 
-
-def _as_texts(default: Any) -> list[Substitution] | None:
-    if default is None:
-        return None
-    parts = default if isinstance(default, Iterable) else (default,)
-    if isinstance(default, str):
-        parts = (default,)
-    return [
-        part if isinstance(part, Substitution) else TextSubstitution(text=str(part))
-        for part in parts
-    ]
-
-
+@dataclass(eq=False)
 class LaunchConfiguration(Substitution):
     """The value of a launch configuration, such as an argument, or else the default."""
 
-    def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None) -> None:
-        super().__init__()
-        self.variable_name = normalize_to_list_of_substitutions(variable_name)
-        self._default = _as_texts(default)
+    variable_name: Text
+    _: KW_ONLY
+    default: Any = None
 
     def perform(self, context: LaunchContext) -> str:
-        name = perform_substitutions(context, self.variable_name)
+        name = perform(context, self.variable_name)
         context.read.add(name)
         if name in context.launch_configurations:
             value: str = context.launch_configurations[name]
             return value
-        if self._default is not None:
-            return perform_substitutions(context, self._default)
+        if self.default is not None:
+            is_plain = isinstance(self.default, (bool, int, float))
+            return perform(context, str(self.default) if is_plain else self.default)
         near = nearest_hint(name, context.launch_configurations)
-        hint = "" if near else f": declare it before, DeclareLaunchArgument('{name}')"
-        raise SubstitutionFailure(f"no launch configuration {name}{near}{hint}", self.place)
-
-    def describe(self) -> str:
-        return f"LaunchConfiguration({' + '.join(p.describe() for p in self.variable_name)})"
+        hint = near or f": declare it before, DeclareLaunchArgument('{name}')"
+        raise SubstitutionFailure(f"no launch configuration {name}{hint}", self.place)
 
 
+@dataclass(eq=False)
 class EnvironmentVariable(Substitution):
     """The value of an environment variable in the scope, or else the default."""
 
-    def __init__(
-        self, name: SomeSubstitutionsType, *, default_value: SomeSubstitutionsType | None = None
-    ) -> None:
-        super().__init__()
-        self.name = normalize_to_list_of_substitutions(name)
-        self.default_value = (
-            None if default_value is None else normalize_to_list_of_substitutions(default_value)
-        )
+    name: Text
+    _: KW_ONLY
+    default_value: Text | None = None
 
     def perform(self, context: LaunchContext) -> str:
-        name = perform_substitutions(context, self.name)
+        name = perform(context, self.name)
         if name in context.environment:
             return context.environment[name]
         if self.default_value is None:
             hint = "export it, or give EnvironmentVariable a default_value"
             raise SubstitutionFailure(f"no environment variable {name}: {hint}", self.place)
-        return perform_substitutions(context, self.default_value)
-
-    def describe(self) -> str:
-        return f"EnvironmentVariable({' + '.join(p.describe() for p in self.name)})"
+        return perform(context, self.default_value)
 
 
+@dataclass(eq=False)
 class PathJoinSubstitution(Substitution):
     """Parts of a path, joined as by `os.path.join`; the operator `/` adds a part."""
 
-    def __init__(self, substitutions: Iterable[SomeSubstitutionsType]) -> None:
-        super().__init__()
-        self.substitutions = [normalize_to_list_of_substitutions(part) for part in substitutions]
+    substitutions: Texts
 
     def perform(self, context: LaunchContext) -> str:
-        return os.path.join(*[perform_substitutions(context, p) for p in self.substitutions])
+        return os.path.join(*[perform(context, part) for part in self.substitutions])
 
-    def __truediv__(self, part: SomeSubstitutionsType) -> PathJoinSubstitution:
+    def __truediv__(self, part: Text) -> PathJoinSubstitution:
         return PathJoinSubstitution([*self.substitutions, part])
 
     def describe(self) -> str:
-        return "/".join("".join(p.describe() for p in parts) for parts in self.substitutions)
+        return "/".join(map(describe, self.substitutions))
 
 
 class PathSubstitution(PathJoinSubstitution):
     """A path, to which the operator `/` adds parts."""
 
-    def __init__(self, path: SomeSubstitutionsType) -> None:
+    def __init__(self, path: Text) -> None:
         super().__init__([path])
 
 
+@dataclass(eq=False)
 class PythonExpression(Substitution):
     """The result of a Python expression as text.
 
@@ -138,18 +95,15 @@ class PythonExpression(Substitution):
     name.
     """
 
-    def __init__(
-        self, expression: SomeSubstitutionsType, python_modules: Iterable[Any] = ("math",)
-    ) -> None:
-        super().__init__()
-        self.expression = normalize_to_list_of_substitutions(expression)
-        self.python_modules = normalize_to_list_of_substitutions(python_modules)
+    expression: Text
+    python_modules: Texts = ("math",)
 
     def perform(self, context: LaunchContext) -> str:
-        text = perform_substitutions(context, self.expression)
+        text = perform(context, self.expression)
         names: dict[str, Any] = {}
-        for part in self.python_modules:
-            module = importlib.import_module(part.perform(context))
+        modules = [perform(context, part) for part in self.python_modules]
+        for name in ",".join(modules).split(","):  # In XML they are one text.
+            module = importlib.import_module(name.strip())
             names |= vars(module) if module is math else {}
             names[module.__name__] = module
         try:
@@ -159,9 +113,6 @@ class PythonExpression(Substitution):
             if isinstance(error, NameError):
                 why += ': a text needs quotes in it, ["\'", LaunchConfiguration(...), "\'"]'
             raise SubstitutionFailure(why, self.place) from error
-
-    def describe(self) -> str:
-        return f"PythonExpression({' + '.join(p.describe() for p in self.expression)})"
 
 
 class _Boolean(Substitution):
@@ -173,56 +124,60 @@ class _Boolean(Substitution):
     def _holds(self, context: LaunchContext) -> bool:
         raise NotImplementedError
 
-    def _as_bool(self, context: LaunchContext, parts: list[Substitution]) -> bool:
+    def _is_true(self, context: LaunchContext, given: Text) -> bool:
         try:
-            return bool(typed_text(perform_substitutions(context, parts), bool))
+            return flag(context, given)
         except ValueError as error:
             raise SubstitutionFailure(error, self.place) from None
 
 
+@dataclass(eq=False)
 class NotSubstitution(_Boolean):
     """The text `true` if a boolean is false, else `false`."""
 
-    def __init__(self, value: SomeSubstitutionsType) -> None:
-        super().__init__()
-        self.value = normalize_to_list_of_substitutions(value)
+    value: Text
 
     def _holds(self, context: LaunchContext) -> bool:
-        return not self._as_bool(context, self.value)
+        return not self._is_true(context, self.value)
+
+
+@dataclass(eq=False)
+class AndSubstitution(_Boolean):
+    """The text `true` if both of two booleans are true, else `false`."""
+
+    left: Text
+    right: Text
+
+    def _holds(self, context: LaunchContext) -> bool:
+        return self._is_true(context, self.left) & self._is_true(context, self.right)
+
+
+class OrSubstitution(AndSubstitution):
+    """The text `true` if at least one of two booleans is true, else `false`."""
+
+    def _holds(self, context: LaunchContext) -> bool:
+        return self._is_true(context, self.left) | self._is_true(context, self.right)
 
 
 class AnySubstitution(_Boolean):
     """The text `true` if at least one of several booleans is true, else `false`."""
 
-    def __init__(self, *args: SomeSubstitutionsType) -> None:
+    def __init__(self, *args: Text) -> None:
         super().__init__()
         self.args = [normalize_to_list_of_substitutions(part) for part in args]
 
     def _holds(self, context: LaunchContext) -> bool:
-        return any([self._as_bool(context, part) for part in self.args])
+        return any([self._is_true(context, part) for part in self.args])
 
 
 class AllSubstitution(AnySubstitution):
     """The text `true` if all of several booleans are true, else `false`."""
 
     def _holds(self, context: LaunchContext) -> bool:
-        return all([self._as_bool(context, part) for part in self.args])
+        return all([self._is_true(context, part) for part in self.args])
 
 
-class OrSubstitution(AnySubstitution):
-    """The text `true` if at least one of two booleans is true, else `false`."""
-
-    def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
-        super().__init__(left, right)
-
-
-class AndSubstitution(AllSubstitution):
-    """The text `true` if both of two booleans are true, else `false`."""
-
-    def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
-        super().__init__(left, right)
-
-
+@dataclass(eq=False)
 class EqualsSubstitution(_Boolean):
     """The text `true` if two values are equal, else `false`.
 
@@ -230,13 +185,11 @@ class EqualsSubstitution(_Boolean):
     as texts.
     """
 
-    def __init__(self, left: Any, right: Any) -> None:
-        super().__init__()
-        self.left, self.right = _compared(left), _compared(right)
+    left: Any
+    right: Any
 
     def _holds(self, context: LaunchContext) -> bool:
-        left = perform_substitutions(context, self.left)
-        right = perform_substitutions(context, self.right)
+        left, right = _compared(context, self.left), _compared(context, self.right)
         words = {"true": True, "1": True, "false": False, "0": False}
         if left.lower() in words and right.lower() in words:
             return words[left.lower()] == words[right.lower()]
@@ -253,41 +206,33 @@ class NotEqualsSubstitution(EqualsSubstitution):
         return not super()._holds(context)
 
 
-def _compared(value: Any) -> list[Substitution]:
+def _compared(context: LaunchContext, value: Any) -> str:
     if is_substitution(value):
-        return normalize_to_list_of_substitutions(value)
-    text = "" if value is None else str(value)
-    return [TextSubstitution(text=text.lower() if isinstance(value, bool) else text)]
+        return perform(context, value)
+    return "" if value is None else str(value)
 
 
+@dataclass(eq=False)
 class IfElseSubstitution(_Boolean):
     """The first of two texts if a boolean is true, else the second; both are empty by default."""
 
-    def __init__(
-        self,
-        condition: SomeSubstitutionsType,
-        if_value: SomeSubstitutionsType = "",
-        else_value: SomeSubstitutionsType = "",
-    ) -> None:
-        super().__init__()
-        self.condition = normalize_to_list_of_substitutions(condition)
-        self.if_value = normalize_to_list_of_substitutions(if_value)
-        self.else_value = normalize_to_list_of_substitutions(else_value)
+    condition: Text
+    if_value: Text = ""
+    else_value: Text = ""
 
     def perform(self, context: LaunchContext) -> str:
-        holds = self._as_bool(context, self.condition)
-        return perform_substitutions(context, self.if_value if holds else self.else_value)
+        holds = self._is_true(context, self.condition)
+        return perform(context, self.if_value if holds else self.else_value)
 
 
+@dataclass(eq=False)
 class FileContent(Substitution):
     """The text of a file; SubstitutionFailure is raised if the file cannot be opened."""
 
-    def __init__(self, path: SomeSubstitutionsType) -> None:
-        super().__init__()
-        self.path = normalize_to_list_of_substitutions(path)
+    path: Text
 
     def perform(self, context: LaunchContext) -> str:
-        path = perform_substitutions(context, self.path)
+        path = perform(context, self.path)
         try:
             with open(path, encoding="utf-8") as file:
                 return file.read()
@@ -295,15 +240,14 @@ class FileContent(Substitution):
             raise SubstitutionFailure(f"{path}: {error.strerror}", self.place) from None
 
 
+@dataclass(eq=False)
 class AnonName(Substitution):
     """A unique name that begins with a given name; in a scope, the same for the same name."""
 
-    def __init__(self, name: SomeSubstitutionsType) -> None:
-        super().__init__()
-        self.name = normalize_to_list_of_substitutions(name)
+    name: Text
 
     def perform(self, context: LaunchContext) -> str:
-        name = perform_substitutions(context, self.name)
+        name = perform(context, self.name)
         unique = f"{name}_{os.getpid()}_{random.randrange(10**9)}"
         text: str = context.launch_configurations.setdefault(f"anon{name}", unique)
         return text
@@ -321,59 +265,3 @@ class ThisLaunchFileDir(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         return str(context.locals.current_launch_file_directory)
-
-
-OF_ROS = ("FindPackagePrefix", "FindPackageShare", "Parameter")  # In `launch_ros.substitutions`.
-
-
-class FindPackagePrefix(Substitution):
-    """The install prefix of a package; for a missing package a folder that does not exist."""
-
-    def __init__(self, package: SomeSubstitutionsType) -> None:
-        super().__init__()
-        self.package = normalize_to_list_of_substitutions(package)
-
-    def find(self, package_name: str) -> str:
-        """Return the folder that the substitution stands for."""
-        return packages.get_package_prefix(package_name)
-
-    def perform(self, context: LaunchContext) -> str:
-        package = perform_substitutions(context, self.package)
-        found = self.find(package)
-        if package in packages.index.missing:  # The caller is no line of the launch file.
-            packages.index.missing[package] = self.place
-        return found
-
-    def describe(self) -> str:
-        return f"{type(self).__name__}({' + '.join(p.describe() for p in self.package)})"
-
-
-class FindPackageShare(FindPackagePrefix):
-    """The share folder of a package; for a missing package a folder that does not exist."""
-
-    def find(self, package_name: str) -> str:
-        return packages.get_package_share_directory(package_name)
-
-
-class Parameter(Substitution):
-    """The first value, as text, of a parameter that SetParameter has set, else the default."""
-
-    def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
-        super().__init__()
-        self.name = normalize_to_list_of_substitutions(name)
-        self._default = (
-            None
-            if default is None or isinstance(default, (bool, int, float))
-            else normalize_to_list_of_substitutions(default)
-        )
-        if self._default is None and default is not None:
-            self._default = normalize_to_list_of_substitutions(str(default))
-
-    def perform(self, context: LaunchContext) -> str:
-        name = perform_substitutions(context, self.name)
-        for entry in context.launch_configurations.get("global_params", ()):
-            if isinstance(entry, tuple) and entry[0] == name:
-                return str(entry[1])
-        if self._default is None:
-            raise SubstitutionFailure(f"no parameter {name}: SetParameter sets it", self.place)
-        return perform_substitutions(context, self._default)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Callable
+from dataclasses import MISSING, fields
 from typing import Any
 
 from archo_tui.launch.stand_ins import substitutions
@@ -14,56 +16,52 @@ from archo_tui.launch.stand_ins.core import (
     TextSubstitution,
     calling_place,
 )
+from archo_tui.launch.stand_ins.packages import FindPackagePrefix, FindPackageShare
 from archo_tui.nearest import nearest_hint
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _DOLLAR = r"\$(?!\()|(?<=\\)\$"  # One that begins no substitution.
 _TEXT = re.compile(rf"(?:[^$]|{_DOLLAR})+")
 _QUOTED = {quote: re.compile(rf"(?:[^$\\{quote}]|{_DOLLAR}|\\{quote}?)+") for quote in "'\""}
-# An argument without quotes around it; within quotes, those of the other kind are characters.
-_WORDS = {
+_WORDS = {  # An argument that is not quoted itself, by the quotes around the substitution.
     quote: re.compile(rf"(?:[^ $()\\{own}]|{_DOLLAR}|\\[(){own}]?)+")
     for quote, own in (("", "'\""), ("'", "'"), ('"', '"'))
 }
 
-
-# Each substitution by its name, with the names of its arguments; those after `|` are optional.
-_SUBSTITUTIONS: dict[str, tuple[Any, str]] = {
-    "anon": (substitutions.AnonName, "name"),
-    "and": (substitutions.AndSubstitution, "left right"),
-    "command": (absent_class("launch.substitutions", "Command"), "command | on_stderr"),
-    "dirname": (substitutions.ThisLaunchFileDir, ""),
-    "env": (substitutions.EnvironmentVariable, "name | default_value"),
-    "equals": (substitutions.EqualsSubstitution, "left right"),
-    "eval": (substitutions.PythonExpression, "expression | python_modules"),
-    "exec-in-pkg": (
-        absent_class("launch_ros.substitutions", "ExecutableInPackage"),
-        "name package",
-    ),
-    "file-content": (substitutions.FileContent, "path"),
-    "filename": (substitutions.ThisLaunchFile, ""),
-    "find-exec": (absent_class("launch.substitutions", "FindExecutable"), "name"),
-    "find-pkg-prefix": (substitutions.FindPackagePrefix, "package"),
-    "find-pkg-share": (substitutions.FindPackageShare, "package"),
-    "if": (substitutions.IfElseSubstitution, "condition if_value | else_value"),
-    "launch_log_dir": (absent_class("launch.substitutions", "LaunchLogDir"), ""),
-    "log_dir": (absent_class("launch.substitutions", "LaunchLogDir"), ""),
-    "not": (substitutions.NotSubstitution, "value"),
-    "not-equals": (substitutions.NotEqualsSubstitution, "left right"),
-    "or": (substitutions.OrSubstitution, "left right"),
-    "param": (substitutions.Parameter, "name | default"),
-    "var": (substitutions.LaunchConfiguration, "variable_name | default"),
+_ABSENT = {
+    "command": ("launch.substitutions", "Command"),
+    "exec-in-pkg": ("launch_ros.substitutions", "ExecutableInPackage"),
+    "find-exec": ("launch.substitutions", "FindExecutable"),
+    "launch_log_dir": ("launch.substitutions", "LaunchLogDir"),
+    "log_dir": ("launch.substitutions", "LaunchLogDir"),
 }
-_OF_ANY_NUMBER = {"any": substitutions.AnySubstitution, "all": substitutions.AllSubstitution}
+# Each substitution by its name; its arguments are the fields of the class.
+_SUBSTITUTIONS: dict[str, Any] = {
+    **{name: absent_class(*given) for name, given in _ABSENT.items()},
+    "all": substitutions.AllSubstitution,
+    "and": substitutions.AndSubstitution,
+    "anon": substitutions.AnonName,
+    "any": substitutions.AnySubstitution,
+    "dirname": substitutions.ThisLaunchFileDir,
+    "env": substitutions.EnvironmentVariable,
+    "equals": substitutions.EqualsSubstitution,
+    "eval": substitutions.PythonExpression,
+    "file-content": substitutions.FileContent,
+    "filename": substitutions.ThisLaunchFile,
+    "find-pkg-prefix": FindPackagePrefix,
+    "find-pkg-share": FindPackageShare,
+    "if": substitutions.IfElseSubstitution,
+    "not": substitutions.NotSubstitution,
+    "not-equals": substitutions.NotEqualsSubstitution,
+    "or": substitutions.OrSubstitution,
+    "var": substitutions.LaunchConfiguration,
+}
+_OF_ANY_NUMBER = (*_ABSENT, "all", "any")
 
 
 def substitutions_in(text: str) -> list[Substitution]:
     """Return the substitutions of a text, and the texts between them; raise SubstitutionFailure."""
-    if not text:
-        return [TextSubstitution(text="")]
-    parts, end = _Reader(text).parts(0, _TEXT, "")
-    assert end == len(text), (text, end)
-    return parts
+    return _Reader(text).parts(0, _TEXT, "")[0] or [TextSubstitution(text="")]
 
 
 def words_in(text: str) -> list[list[Substitution]]:
@@ -117,7 +115,9 @@ class _Reader:
             argument, at = self._argument(at + 1, quote, begin)
             arguments.append(argument)
         if not self._text.startswith(")", at):
-            raise self._failure(begin, "it has no )" if at == len(self._text) else self._odd(at))
+            odd = self._text[at : at + 1]
+            why = f"{odd} is not expected: quote it, or write \\{odd}" if odd else "it has no )"
+            raise self._failure(begin, why)
         return self._made(name[0], arguments, begin), at + 1
 
     def _argument(self, at: int, quote: str, begin: int) -> tuple[list[Substitution], int]:
@@ -133,29 +133,19 @@ class _Reader:
         return found, end + 1
 
     def _made(self, name: str, arguments: list[list[Substitution]], begin: int) -> Substitution:
-        if name in _OF_ANY_NUMBER:
-            return _OF_ANY_NUMBER[name](*arguments)
         if name not in _SUBSTITUTIONS:
-            near = nearest_hint(name, [*_SUBSTITUTIONS, *_OF_ANY_NUMBER])
+            near = nearest_hint(name, _SUBSTITUTIONS)
             raise self._failure(begin, f"there is no substitution {name}{near}")
-        make, takes = _SUBSTITUTIONS[name]
-        needed, _, optional = takes.partition("|")
-        names = [*needed.split(), *optional.split()]
-        if not len(needed.split()) <= len(arguments) <= len(names):
-            wanted = f"$({' '.join([name, *map(str.upper, names)])})"
-            raise self._failure(begin, f"it is written {wanted}")
-        values: dict[str, Any] = dict(zip(names, arguments, strict=False))
-        if "python_modules" in values:  # `math, os`.
-            modules = values["python_modules"]
-            if not all(isinstance(part, TextSubstitution) for part in modules):
-                raise self._failure(begin, "its modules are named by a text")
-            names = "".join(part.text for part in modules).split(",") if modules else []
-            values["python_modules"] = [name.strip() for name in names]
-        made: Substitution = make(**values)
-        return made
-
-    def _odd(self, at: int) -> str:
-        return f"{self._text[at]} is not expected: quote it, or write \\{self._text[at]}"
+        make: Callable[..., Substitution] = _SUBSTITUTIONS[name]
+        if name in _OF_ANY_NUMBER:
+            return make(*arguments)
+        takes = fields(_SUBSTITUTIONS[name])
+        needed = [field for field in takes if field.default is MISSING]
+        if not len(needed) <= len(arguments) <= len(takes):
+            wanted = " ".join([name, *(field.name.upper() for field in takes)])
+            raise self._failure(begin, f"it is written $({wanted})")
+        given = zip(takes, arguments, strict=False)
+        return make(**{field.name: argument for field, argument in given})
 
     def _failure(self, begin: int, why: str) -> SubstitutionFailure:
         return SubstitutionFailure(f"{self._text[begin:]}: {why}", calling_place())
