@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from .idl import Field, InterfaceError, Section, is_package_name, parse
+from .idl import Field, InterfaceError, Section, parse
 from .messages import make_action, make_message, make_service
 
 KINDS = ("msg", "srv", "action")
@@ -25,7 +25,6 @@ NEEDED = (  # rclpy itself uses these; a user's copy with other fields would bre
     *("action_msgs", "builtin_interfaces", "lifecycle_msgs", "rcl_interfaces"),
     *("rosgraph_msgs", "unique_identifier_msgs"),
 )
-_DEEPEST = 50  # Levels of nested messages; far below Python's recursion limit.
 
 
 class InterfaceFinder:
@@ -97,8 +96,6 @@ class InterfaceFinder:
             circle = [*self._making[self._making.index(wanted) :], wanted]
             names = " contains ".join(one.rpartition("/")[2] for one in circle)
             raise InterfaceError(f"{where}: {names}: no message can")
-        if len(self._making) > _DEEPEST:
-            raise InterfaceError(f"{where}: messages in messages, more than {_DEEPEST} deep")
         try:
             return self.load(wanted)
         except InterfaceError:
@@ -145,36 +142,3 @@ class InterfaceFinder:
 def _has_interfaces(folder: Path) -> bool:
     # Checked first, because most folders that are asked for do not exist.
     return folder.is_dir() and any((folder / kind).is_dir() for kind in KINDS)
-
-
-def packages_in(folder: Path) -> list[Path]:
-    """Return the interface packages in a folder: the folder itself, then those below, sorted.
-
-    Folders without msg/, srv/ and action/ are left out, as are those below without a package.xml.
-    """
-    places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
-    return [place for place in dict.fromkeys(places) if _has_interfaces(place)]
-
-
-def name_of(package: Path) -> str:
-    """Return the name in the package.xml of an interface package."""
-    from xml.etree import ElementTree  # Slow to import, and needed for the user's packages only.
-
-    file = package / "package.xml"
-    try:
-        text = file.read_bytes()
-        name = (ElementTree.fromstring(text).findtext("name") or "").strip()
-    except OSError as error:
-        said = f"{error.strerror}: it names the interface package, <name>my_interfaces</name>"
-        raise InterfaceError(f"{file}:1: {said}") from None
-    except ElementTree.ParseError as error:
-        raise InterfaceError(f"{file}:{error.position[0]}: not XML: {error}") from None
-    except (LookupError, ValueError):  # As for `encoding="none such"`.
-        raise InterfaceError(f"{file}:1: not XML: its encoding is not known") from None
-    line = text.count(b"\n", 0, max(text.find(b"<name"), 0)) + 1
-    if not is_package_name(name):
-        said = f"{name!r} is not a name of a package: small letters, digits and single _"
-        raise InterfaceError(f"{file}:{line}: {said}")
-    if name in NEEDED:
-        raise InterfaceError(f"{file}:{line}: the engine needs {name} as it is: take another name")
-    return name

@@ -11,28 +11,16 @@ from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 from . import fields as rules
-from .idl import Field, InterfaceError, Section
-from .idl_types import TYPE_CODES, FieldType
+from .idl import Field, Section
+from .idl_types import FieldType
 
-MOST_ELEMENTS = 1_000_000  # Of a new message: some tens of MB.
 Resolve = Callable[[Section, Field], Any]
 
 
-class _MessageType(type):
-    """The metaclass of messages; assigning to a constant of a message raises AttributeError."""
-
-    __constants__: ClassVar[frozenset[str]] = frozenset()
-
-    def __setattr__(cls, name: str, value: Any) -> None:
-        if name in cls.__constants__:
-            raise AttributeError(f"{name} of {cls.__name__} is a constant")
-        super().__setattr__(name, value)
-
-
-class Message(metaclass=_MessageType):
+class Message:
     """The base of every generated message, request, goal and so on.
 
     Assigning a wrong value to a field raises AssertionError (ValueError for bytes as numbers of a
@@ -44,19 +32,11 @@ class Message(metaclass=_MessageType):
     __field_types__: ClassVar[dict[str, str]]
     # Name, slot, check and default of each field.
     __inits__: ClassVar[tuple[tuple[str, str, rules.Check, Callable[[], Any]], ...]]
-    __number_arrays__: ClassVar[dict[str, str]]  # Arrays of any length, with array's type code.
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
-    __elements__: ClassVar[int]  # Values in a new message, nested ones included.
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # Slot, type, nested class.
 
     def __init__(self, **values: Any) -> None:
         values.pop("check_fields", None)
-        for name, code in self.__number_arrays__.items():
-            if name in values:  # Converted, unlike in an assignment: [1, 2] is two floats.
-                try:
-                    values[name] = array(code, values[name])
-                except OverflowError as error:
-                    raise OverflowError(f"The '{name}' field: {error}") from None
         for name, slot, check, default in self.__inits__:
             setattr(self, slot, check(values.pop(name) if name in values else default()))
         if values:
@@ -99,22 +79,13 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         "__module__": f"{package}.{kind}",
         "__type_name__": type_name,
         "__field_types__": {field.name: str(field.type) for field in section.fields},
-        "__constants__": frozenset(name for name, _, _ in section.constants),
         **{name: rules.from_file(kind, value) for name, kind, value in section.constants},
     }
     inits: list[tuple[str, str, rules.Check, Callable[[], Any]]] = []
-    elements = 1
     copiers: list[tuple[str, Callable[[Any], Any] | None]] = []
     layout: list[tuple[str, FieldType, Any]] = []
     for field in section.fields:
         nested = resolve(section, field) if "/" in field.type.base else None
-        single = 1 if nested is None else nested.__elements__
-        elements += single * (field.type.fixed_size or 1) if not _is_dynamic(field.type) else 0
-        if elements > MOST_ELEMENTS:
-            raise InterfaceError(
-                f"{section.path}:{field.line}: {name} has more than {MOST_ELEMENTS:_} elements "
-                f"with {field.name}: it would take the memory of this process"
-            )
         check = rules.check_of(field.name, field.type, nested)
         slot = f"_{field.name}"
         body[field.name] = property(attrgetter(slot), _setter(slot, check))
@@ -122,20 +93,9 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         layout.append((slot, field.type, nested))
         copiers.append((slot, rules.copier(field.type, check, nested)))
     body["__inits__"] = tuple(inits)
-    body["__number_arrays__"] = {
-        field.name: TYPE_CODES[field.type.base]
-        for field in section.fields
-        if _is_dynamic(field.type) and field.type.base in TYPE_CODES
-    }
     body["__copiers__"] = tuple(copiers)
     body["__layout__"] = tuple(layout)
-    body["__elements__"] = elements
-    made: Any = _MessageType(name, (Message,), body)
-    return cast("type[Message]", made)
-
-
-def _is_dynamic(kind: FieldType) -> bool:
-    return kind.is_array and kind.fixed_size is None
+    return type(name, (Message,), body)
 
 
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,12 +27,8 @@ _BOOLS = {
 # Numbers as C's strtoll and strtod take them, which rcl calls: 0 begins an octal, 0x a hexadecimal.
 _INTEGER = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
 _DECIMAL = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
-_HEXADECIMAL = re.compile(
-    r"[-+]?0[xX]([0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)([pP][-+]?[0-9]+)?"
-)
 _INFINITE = re.compile(r"[-+]?(\.(inf|Inf|INF)|(?i:inf|infinity))")
 _NAN = re.compile(r"\.(nan|NaN|NAN)|[-+]?(?i:nan)")
-_SIGNIFICANT = re.compile(r"[1-9a-fA-F]")
 _STRING_TAG = re.compile(r"(&\S+\s+)?!(!str|<tag:yaml.org,2002:str>)(\s|$)")
 _NODE_PART = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|\*\*?")
 
@@ -89,8 +84,8 @@ def _check_types(overrides: list[Override]) -> None:
 def scalar(text: str) -> Any:
     """Return the bool, int, float or str as which rcl reads a scalar without quotes.
 
-    An integer that does not fit in 64 bits is a float, and a number that is too large or too small
-    for a normal double is a str.
+    An integer that does not fit in 64 bits is a float, and a number that is too large for a double
+    is a str.
     """
     if text in _BOOLS:
         return _BOOLS[text]
@@ -105,26 +100,8 @@ def scalar(text: str) -> Any:
         return float("-inf" if text.startswith("-") else "inf")
     if _NAN.fullmatch(text):
         return float("nan")
-    number = _double(text)
-    return text if number is None else number
-
-
-def _double(text: str) -> float | None:
-    """Return the float that C's strtod reads from a text, or None if the text is no number.
-
-    A number that is too large for a double, or too small for a normal one, is also None.
-    """
-    try:
-        if _DECIMAL.fullmatch(text):
-            digits, number = re.split("[eE]", text)[0], float(text)
-        elif _HEXADECIMAL.fullmatch(text):
-            digits, number = re.split("[xXpP]", text)[1], float.fromhex(text)
-        else:
-            return None
-    except OverflowError:
-        return None
-    is_tiny = abs(number) < sys.float_info.min and _SIGNIFICANT.search(digits) is not None
-    return None if math.isinf(number) or is_tiny else number
+    number = float(text) if _DECIMAL.fullmatch(text) else math.inf
+    return text if math.isinf(number) else number
 
 
 def value_of(text: str) -> Any:

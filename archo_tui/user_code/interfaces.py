@@ -8,8 +8,11 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from archo_tui import embedded, engine
-from archo_tui.embedded.import_hook import KINDS, name_of, packages_in
+from archo_tui.embedded.idl import is_package_name
+from archo_tui.embedded.import_hook import NEEDED
 from archo_tui.errors import ArchoError
+from archo_tui.launch.package import read_package
+from archo_tui.ros_names import KINDS
 from archo_tui.user_code.watch import Stamps, stamps
 
 
@@ -42,10 +45,10 @@ def find(
     """
     packages: dict[str, Path] = {}
     nameless: list[str] = []
-    for place in packages_in(folder) if folder.is_dir() else ():
+    for place in _folders(folder):
         try:
-            packages[name_of(place)] = place
-        except ImportError as error:
+            packages[_name_of(place)] = place
+        except ArchoError as error:
             nameless.append(str(error))
     if packages and engine_name != engine.EMBEDDED:
         names = " ".join(packages)
@@ -60,6 +63,23 @@ def find(
         nothing = f"{folder}: no interface package: a folder with msg/, srv/ or action/"
         raise ArchoError(warnings[0] if warnings else nothing)
     return InterfacePackages(packages, warnings)
+
+
+def _folders(folder: Path) -> list[Path]:
+    """Return the interface packages in a folder: the folder itself, then those below, sorted."""
+    places = dict.fromkeys([folder, *sorted(p.parent for p in folder.glob("**/package.xml"))])
+    return [place for place in places if any((place / kind).is_dir() for kind in KINDS)]
+
+
+def _name_of(place: Path) -> str:
+    """Return the name of an interface package, which its messages can have; raise ArchoError."""
+    name, file = read_package(place).name, place / "package.xml"
+    if not is_package_name(name):
+        rule = "small letters, digits and single _"
+        raise ArchoError(f"{file}:1: {name!r} is not a name of a package: {rule}")
+    if name in NEEDED:
+        raise ArchoError(f"{file}:1: the engine needs {name} as it is: take another name")
+    return name
 
 
 def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:

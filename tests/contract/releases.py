@@ -18,15 +18,12 @@ class Difference(NamedTuple):
 
 
 _DESTROYED = "a shutdown of the context leaves nodes and what they made undestroyed"
-_NO_TIMER_INFO = "timers give their callbacks no TimerInfo"
-_FILES = "parameter files are read by whole names only, and no namespaces in them"
 
 DIFFERENCES = {
     "jazzy": [
         Difference(
             "test_a_call_that_nobody_answers_in_time_raises", "`call` returns None when it is late"
         ),
-        Difference("test_a_file_holds_parameters_for_nodes_and_for_all", _FILES),
         Difference(
             "test_a_long_wait_for_a_future_leaves_one_callback_on_it",
             "each turn of spin_until_future_complete leaves one",
@@ -37,9 +34,6 @@ DIFFERENCES = {
         Difference("test_a_shutdown_destroys_all_there_is", _DESTROYED),
         Difference("test_a_shutdown_destroys_the_nodes", _DESTROYED),
         Difference("test_after_shutdown_nothing_is_made_and_nothing_spins", _DESTROYED),
-        Difference(
-            "test_a_timer_tells_when_it_should_have_called_to_a_callback_that_asks", _NO_TIMER_INFO
-        ),
         Difference(
             "test_a_timer_whose_callback_is_none_ends_the_spin", "it ends it by a TypeError"
         ),

@@ -172,21 +172,3 @@ def test_a_future_can_be_awaited_in_asyncio_while_its_loop_spins_the_node(
         return await asking
 
     assert isinstance(asyncio.run(both()), Trigger.Response)
-
-
-def test_of_what_an_action_client_hears_one_of_each_comes_in_one_go(
-    ros: Ros, executor: SingleThreadedExecutor
-) -> None:
-    heard: list[float] = []
-
-    node = ros.node()
-    executor.add_node(node)
-    server = ActionServer(node, MoveToShelf, "move", _telling(0.0, 1.0, 2.0, 3.0, 4.0))
-    client = ActionClient(node, MoveToShelf, "move")
-    goal = client.send_goal_async(
-        MoveToShelf.Goal(), lambda message: heard.append(message.feedback.distance_remaining)
-    )
-    executor.spin_until_future_complete(goal, 10.0)
-    assert heard == [0.0]  # with the acceptance
-    client.destroy()
-    server.destroy()

@@ -499,15 +499,3 @@ def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
     with pytest.raises(UnboundLocalError, match="arg_name"):
         executor.spin_once(5.0)
     executor.shutdown()
-
-
-def test_a_group_knows_its_own(ros: Ros) -> None:
-    node = ros.node()
-    group = MutuallyExclusiveCallbackGroup()
-    mine = node.create_timer(100.0, lambda: None, group)
-    other = node.create_timer(100.0, lambda: None)
-    assert group.has_entity(mine)
-    assert [entity() for entity in group.entities] == [mine]
-    for ask in (group.can_execute, group.beginning_execution, group.ending_execution):
-        with pytest.raises(AssertionError):
-            ask(other)

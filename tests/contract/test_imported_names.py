@@ -110,6 +110,8 @@ IMPORTED = {
 }
 # what the embedded engine leaves out, as docs/embedded_engine.md says
 LEFT_OUT = {
+    "rclpy.logging": "get_logging_directory",
+    "rclpy.parameter": "parameter_dict_from_yaml_file",
     "rclpy.clock": "ClockChange JumpHandle JumpThreshold TimeJump",
     "rclpy.event_handler": (
         "QoSLivelinessChangedInfo QoSLivelinessLostInfo QoSOfferedDeadlineMissedInfo "

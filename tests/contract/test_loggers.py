@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -146,24 +145,3 @@ def test_a_logger_has_a_name(logger: RcutilsLogger, name: Any) -> None:
         logger.get_child(name)
     with pytest.raises(ValueError, match="name must not be empty"):
         rclpy.logging.get_logger(name)
-
-
-@pytest.mark.parametrize(
-    ("environ", "folder"),
-    [
-        ({}, "/somebody/.ros/log"),
-        ({"ROS_HOME": "/ros"}, "/ros/log"),
-        ({"ROS_HOME": "~/ros"}, "/somebody/ros/log"),
-        ({"ROS_HOME": "/ros", "ROS_LOG_DIR": "/logs"}, "/logs"),
-        ({"ROS_LOG_DIR": "~/logs"}, "/somebody/logs"),
-        ({"ROS_HOME": "", "ROS_LOG_DIR": ""}, "/somebody/.ros/log"),
-    ],
-)
-def test_where_ros_keeps_its_logs(
-    monkeypatch: pytest.MonkeyPatch, environ: dict[str, str], folder: str
-) -> None:
-    for name in ("ROS_HOME", "ROS_LOG_DIR"):
-        monkeypatch.delenv(name, raising=False)
-    for name, value in ({"HOME": "/somebody"} | environ).items():
-        monkeypatch.setenv(name, value)
-    assert rclpy.logging.get_logging_directory() == Path(folder)

@@ -272,15 +272,6 @@ def test_of_two_values_for_a_parameter_the_order_decides(
     assert node.declare_parameter("x", 0).value == value
 
 
-def test_a_rule_can_hold_for_topics_or_for_services_only(ros: Ros) -> None:
-    rules = ["-r", "rostopic://one:=for_topics", "-r", "rosservice://one:=for_services"]
-    node = ros.node(cli_args=["--ros-args", *rules])
-    assert node.create_publisher(Float32, "one", 1).topic_name == "/for_topics"
-    assert node.create_client(Trigger, "one").service_name == "/for_services"
-    assert node.resolve_topic_name("one") == "/for_topics"
-    assert node.resolve_service_name("one", only_expand=True) == "/one"
-
-
 @pytest.mark.parametrize("value", ["", "&a", "*", "@", "{a: 1}", "[1, a]", "[1, 2.0]"])
 def test_what_is_no_value_is_refused_behind_p(value: str, ros: Ros) -> None:
     with pytest.raises(RCLError, match="Failed to parse ROS arguments"):

@@ -26,7 +26,6 @@ from rclpy.node import Node
 from rclpy.parameter import (
     Parameter,
     get_parameter_value,
-    parameter_dict_from_yaml_file,
     parameter_value_to_python,
 )
 from rclpy.parameter_client import AsyncParameterClient
@@ -308,55 +307,6 @@ def test_an_error_of_a_value_ends_by_the_parameters_name(ros: Ros) -> None:
 )
 def test_a_text_is_a_value_as_on_a_command_line(text: str, value: Any) -> None:
     assert parameter_value_to_python(get_parameter_value(text)) == value
-
-
-FILE = """\
-/one:
-  ros__parameters:
-    gain: 1
-    sub: {x: 2}
-/**:
-  ros__parameters:
-    gain: 5
-    all: 6
-/space:
-  two:
-    ros__parameters:
-      gain: 7
-"""
-
-
-@pytest.mark.pure
-@pytest.mark.parametrize(
-    ("nodes", "wild", "values"),
-    [
-        (["one"], True, {"gain": 1, "sub.x": 2, "all": 6}),
-        (["no"], True, {"gain": 5, "all": 6}),
-        (["/space/two"], False, {"gain": 7}),
-        (["/one", "no"], False, {"gain": 1, "sub.x": 2}),
-        (None, True, {"gain": 5, "all": 6}),
-    ],
-)
-def test_a_file_holds_parameters_for_nodes_and_for_all(
-    nodes: list[str] | None, wild: bool, values: dict[str, Any], tmp_path: Path
-) -> None:
-    assert _read(tmp_path, wild, nodes) == values
-
-
-@pytest.mark.pure
-def test_a_file_holds_parameters_for_a_node_by_its_whole_name(tmp_path: Path) -> None:
-    assert _read(tmp_path, False, ["/one"]) == {"gain": 1, "sub.x": 2}
-    for nodes in (None, ["no"]):
-        with pytest.raises(RuntimeError):
-            _read(tmp_path, False, nodes)
-
-
-def _read(folder: Path, wild: bool, nodes: list[str] | None) -> dict[str, Any]:
-    """The values that FILE has for nodes, with or without those for all."""
-    file = folder / "params.yaml"
-    file.write_text(FILE)
-    found = parameter_dict_from_yaml_file(str(file), wild, nodes)
-    return {name: parameter_value_to_python(p.value) for name, p in found.items()}
 
 
 def test_a_call_for_parameters_tells_its_callback(ros: Ros) -> None:

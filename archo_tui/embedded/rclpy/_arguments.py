@@ -104,9 +104,7 @@ def _split(text: str, what: str) -> tuple[str | None, str, str]:
 
 
 def _remap(text: str) -> Remap:
-    scheme = re.search("(rostopic|rosservice)://", text)
-    bare = text.replace(scheme[0], "") if scheme else text
-    rule = Remap(*_split(bare, "remap rule"), scheme[1] if scheme else None)
+    rule = Remap(*_split(text, "remap rule"))
     if rule.match == "__ns":
         problem = namespace_problem(rule.replacement)
     elif rule.match in ("__node", "__name"):

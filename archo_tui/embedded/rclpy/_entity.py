@@ -74,20 +74,15 @@ class Endpoint(Destroyable):
 
 
 class Entity(Destroyable):
-    """The base of what gives an executor work: timers, subscriptions, clients, services, events.
-
-    A new entity joins its callback group.
-    """
+    """The base of what gives an executor work: timers, subscriptions, clients, services, events."""
 
     # The order in a round: actions, timers, subscriptions, clients, services.
     _rank = 1
     callback: Any = None
-    _taken_by: Entity | None = None  # An entity that takes the work of several.
 
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
         self.callback_group = callback_group
-        callback_group.add_entity(self)
 
     def _take(self) -> Callable[[], Any] | None:
         """Take the next piece of work off, and return it as a function; return None without work.
@@ -111,7 +106,7 @@ class Entity(Destroyable):
         """
         executor = self._node._executor
         if executor is not None:
-            executor._make_ready(self._taken_by or self)
+            executor._make_ready(self)
 
 
 class TimedEntity(Entity):
@@ -174,4 +169,4 @@ class QueueEntity(Entity):
         raise NotImplementedError
 
     def _waiting(self) -> int:
-        return 0 if self._destroyed or self._taken_by else len(self._queue)
+        return 0 if self._destroyed else len(self._queue)

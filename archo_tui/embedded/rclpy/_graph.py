@@ -46,8 +46,7 @@ class Graph:
     def add_publisher(self, publisher: Publisher[Any]) -> None:
         """Put a publisher on the graph, and connect it with the subscriptions that match.
 
-        Handlers on both sides count each match, and each endpoint of the same type with
-        incompatible QoS.
+        Handlers on both sides count each endpoint of the same type with incompatible QoS.
         """
         with self.changed:
             topic = self.topics[publisher._topic_name]
@@ -59,7 +58,7 @@ class Graph:
         """Put a subscription on the graph, and connect it with the publishers that match.
 
         Matching publishers hand over at once what they keep for late joiners. Handlers on both
-        sides count each match, and each endpoint of the same type with incompatible QoS.
+        sides count each endpoint of the same type with incompatible QoS.
         """
         with self.changed:
             topic = self.topics[subscription._topic_name]
@@ -71,32 +70,22 @@ class Graph:
             self.changed.notify_all()
 
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
-        """Take a publisher off the graph, and disconnect it from its subscriptions.
-
-        The subscriptions' handlers count that the match ended. A second call changes nothing.
-        """
+        """Take a publisher off the graph, if it is there, and disconnect it."""
         with self.changed:
             topic = self.topics[publisher._topic_name]
             if publisher in topic.publishers:
                 topic.publishers.remove(publisher)
-            for subscription in publisher._matched:
-                _report_match(subscription, -1)
             publisher._matched = ()
             self._forget_if_empty(publisher._topic_name)
             self.changed.notify_all()
 
     def remove_subscription(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription off the graph; no publisher delivers to it any more.
-
-        The publishers' handlers count that the match ended. A second call changes nothing.
-        """
+        """Take a subscription off the graph, if it is there; no publisher delivers to it then."""
         with self.changed:
             topic = self.topics[subscription._topic_name]
             if subscription in topic.subscriptions:
                 topic.subscriptions.remove(subscription)
             for publisher in topic.publishers:
-                if subscription in publisher._matched:
-                    _report_match(publisher, -1)
                 publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
             self._forget_if_empty(subscription._topic_name)
             self.changed.notify_all()
@@ -132,11 +121,9 @@ class Graph:
             policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
             if policy is None:
                 matched.append(subscription)
-                _report_match(publisher, 1)
-                _report_match(subscription, 1)
             else:
                 for handler in (*publisher.event_handlers, *subscription.event_handlers):
-                    handler._count(1, policy)
+                    handler._count(policy)
         publisher._matched = tuple(matched)
 
     def _forget_if_empty(self, name: str) -> None:
@@ -153,9 +140,3 @@ def graph_of(domain_id: int) -> Graph:
     """Return the graph of a domain, made at the first call; all contexts of the domain share it."""
     with _graphs_lock:
         return _graphs.setdefault(domain_id, Graph())
-
-
-def _report_match(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
-    """Let an endpoint's event handlers count a match that came (1) or ended (-1)."""
-    for handler in endpoint.event_handlers:
-        handler._count(change)

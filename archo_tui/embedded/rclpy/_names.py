@@ -14,7 +14,7 @@ from rclpy.exceptions import (
 
 
 class Remap(NamedTuple):
-    """A remapping rule `[node:]from:=to`; `kind` is `rostopic` or `rosservice`, or None for both.
+    """A remapping rule `[node:]from:=to`.
 
     `match` is the name to replace; `__node`, `__name` and `__ns` stand for the node's own.
     """
@@ -22,7 +22,6 @@ class Remap(NamedTuple):
     node: str | None
     match: str
     replacement: str
-    kind: str | None = None
 
 
 _FULL = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -97,13 +96,10 @@ def expand(name: str, node: str, namespace: str) -> str:
     return name if name.startswith("/") else f"{base}/{name}"
 
 
-def remapped(
-    full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
-) -> str:
+def remapped(full_name: str, node: str, namespace: str, rules: tuple[Remap, ...]) -> str:
     """Return the name that the first fitting rule gives a topic or service, else `full_name`."""
-    kinds = (None, "rosservice" if is_service else "rostopic")
     for rule in rules:
-        fits = rule.node in (None, node) and rule.kind in kinds and rule.match[:2] != "__"
+        fits = rule.node in (None, node) and rule.match[:2] != "__"
         if fits and expand(rule.match, node, namespace) == full_name:
             return expand(rule.replacement, node, namespace)
     return full_name

@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 import threading
-import weakref
 from typing import Any
 
 
 class CallbackGroup:
-    """The base of groups of entities that share a rule about running at the same time.
-
-    A group does not keep its entities alive.
-    """
-
-    def __init__(self) -> None:
-        self.entities: set[weakref.ref[Any]] = set()
-
-    def add_entity(self, entity: Any) -> None:
-        """Add an entity to the group; making an entity does this already."""
-        self.entities.add(weakref.ref(entity, self.entities.discard))  # Discarded with the entity.
-
-    def has_entity(self, entity: Any) -> bool:
-        """Return True if the entity is in the group."""
-        return weakref.ref(entity) in self.entities
+    """The base of groups of entities that share a rule about running at the same time."""
 
     def can_execute(self, entity: Any) -> bool:
         """Return True if the entity's callback may start now, without claiming the group."""
@@ -54,16 +39,13 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
     """A group that runs one callback at a time; an `async def` holds it while it awaits."""
 
     def __init__(self) -> None:
-        super().__init__()
         self._active: Any = None
         self._lock = threading.Lock()
 
     def can_execute(self, entity: Any) -> bool:
-        assert entity.callback_group is self or self.has_entity(entity)
         return self._active is None
 
     def beginning_execution(self, entity: Any) -> bool:
-        assert entity.callback_group is self or self.has_entity(entity)
         with self._lock:
             if self._active is not None:
                 return False

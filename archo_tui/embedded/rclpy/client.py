@@ -89,11 +89,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         """Return the node's context."""
         return self._node.context
 
-    def get_pending_request(self, sequence_number: int) -> Future[SrvResponseT]:
-        """Return the future of a request that has no answer yet."""
-        with self._lock:
-            return self._pending_requests[sequence_number]
-
     def service_is_ready(self) -> bool:
         """Return True if a node offers the service with this type."""
         self._use()

@@ -1,4 +1,4 @@
-"""The module `rclpy.event_handler`: callbacks for the events of an endpoint."""
+"""The module `rclpy.event_handler`: callbacks for endpoints with incompatible QoS."""
 
 from __future__ import annotations
 
@@ -14,19 +14,6 @@ from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
 
 EventCallback = Callable[[Any], Any] | None
-
-
-class QoSSubscriptionMatchedInfo(NamedTuple):
-    """The numbers of endpoints that have matched in all, and that match now.
-
-    A `..._change` counts since the last callback; `current_count_change` is negative if fewer match
-    now. QoSPublisherMatchedInfo is this class, too.
-    """
-
-    total_count: int = 0
-    total_count_change: int = 0
-    current_count: int = 0
-    current_count_change: int = 0
 
 
 class QoSRequestedIncompatibleQoSInfo(NamedTuple):
@@ -48,66 +35,51 @@ class IncompatibleTypeInfo(NamedTuple):
     total_count_change: int = 0
 
 
-QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 QoSMessageLostInfo = IncompatibleTypeInfo  # Of the same form; no message is lost in one process.
 
 
 class EventHandler(Entity):
-    """The handler of one kind of event, which calls a callback with the newest counts.
+    """The handler of endpoints with incompatible QoS, which calls a callback with their number.
 
-    Several events before the callback runs make one call.
+    Several before the callback runs make one call.
     """
 
     _rank = 0
 
     def __init__(
-        self,
-        endpoint: Endpoint,
-        callback_group: CallbackGroup,
-        callback: Callable[[Any], Any],
-        counts_matches: bool,
+        self, endpoint: Endpoint, callback_group: CallbackGroup, callback: Callable[[Any], Any]
     ) -> None:
         super().__init__(endpoint._node, callback_group)
-        self.callback, self._counts_matches = callback, counts_matches
+        self.callback = callback
         self._lock = threading.Lock()
-        self._has_news = False
-        self._total = self._current = self._reported = self._reported_current = 0
+        self._total = self._reported = 0
         self._policy = QoSPolicyKind.INVALID
 
-    def _count(self, change: int, policy: QoSPolicyKind | None = None) -> None:
-        """Count an endpoint that matches (1), no longer does (-1), or differs in a policy."""
-        if self._counts_matches != (policy is None):
-            return
+    def _count(self, policy: QoSPolicyKind) -> None:
+        """Count an endpoint that differs in a policy."""
         with self._lock:
-            self._current += change
-            self._total += max(change, 0)
-            self._policy, self._has_news = policy or self._policy, True
+            self._total, self._policy = self._total + 1, policy
         self._notify()
 
     def _waiting(self) -> int:
-        return int(self._has_news)
+        return self._total - self._reported
 
     def _take(self) -> Callable[[], Any] | None:
         with self._lock:
-            if self._destroyed or not self._has_news:
+            change = self._waiting()
+            if self._destroyed or not change:
                 return None
-            self._has_news = False
-            total, current = self._total, self._current
-            change, current_change = total - self._reported, current - self._reported_current
-            self._reported, self._reported_current = total, current
-            info: Any = QoSRequestedIncompatibleQoSInfo(total, change, self._policy)
-            if self._counts_matches:
-                info = QoSSubscriptionMatchedInfo(total, change, current, current_change)
+            self._reported = self._total
+            info = QoSRequestedIncompatibleQoSInfo(self._total, change, self._policy)
         return partial(self.callback, info)
 
 
 class SubscriptionEventCallbacks:
     """The callbacks of a subscription's events, for `Node.create_subscription`.
 
-    Each is called with an info such as QoSSubscriptionMatchedInfo. Nothing watches deadlines and
-    liveliness here, so callbacks for them raise UnsupportedEventTypeError; no message is lost, and
-    no endpoint of another type is reported.
+    Nothing watches deadlines, liveliness and matches here, so callbacks for them raise
+    UnsupportedEventTypeError; no message is lost, and no endpoint of another type is reported.
     """
 
     _said: ClassVar[str] = (
@@ -126,29 +98,25 @@ class SubscriptionEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        if deadline or liveliness:
-            said = "the embedded engine has no events of deadline and liveliness: real ROS 2 has"
-            raise UnsupportedEventTypeError(said)
-        self.incompatible_qos, self.matched = incompatible_qos, matched
+        if deadline or liveliness or matched:
+            said = "the embedded engine has no events of deadline, liveliness and matches"
+            raise UnsupportedEventTypeError(f"{said}: real ROS 2 has")
+        self.incompatible_qos = incompatible_qos
         self.message_lost, self.incompatible_type = message_lost, incompatible_type
         self.use_default_callbacks = use_default_callbacks
 
     def create_event_handlers(
         self, callback_group: CallbackGroup, endpoint: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return new handlers; by default, one warns of endpoints with incompatible QoS."""
-        on_qos = self.incompatible_qos
-        if on_qos is None and self.use_default_callbacks:
+        """Return the new handler; by default, it warns of endpoints with incompatible QoS."""
+        callback = self.incompatible_qos
+        if callback is None and self.use_default_callbacks:
             logger, said = get_logger(endpoint.logger_name), self._said.format(topic_name)
 
-            def on_qos(event: QoSRequestedIncompatibleQoSInfo) -> None:
+            def callback(event: QoSRequestedIncompatibleQoSInfo) -> None:
                 logger.warning(f"{said} Last incompatible policy: {event.last_policy_kind.name}")
 
-        return [
-            EventHandler(endpoint, callback_group, callback, counts_matches)
-            for callback, counts_matches in ((on_qos, False), (self.matched, True))
-            if callback is not None
-        ]
+        return [] if callback is None else [EventHandler(endpoint, callback_group, callback)]
 
 
 class PublisherEventCallbacks(SubscriptionEventCallbacks):

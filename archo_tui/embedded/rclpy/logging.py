@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable
 from enum import IntEnum
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -212,9 +210,3 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     """Return the severity of a word such as `WARN`, in any case."""
     return LoggingSeverity[log_severity.upper()]
-
-
-def get_logging_directory() -> Path:
-    """Return where ROS keeps its logs; this engine writes nothing there."""
-    home = Path(os.environ.get("ROS_HOME") or "~/.ros")
-    return Path(os.environ.get("ROS_LOG_DIR") or home / "log").expanduser()

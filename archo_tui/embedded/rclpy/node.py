@@ -15,6 +15,7 @@ from rclpy import (
     logging,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
+from rclpy._graph import Topic
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
 from rclpy.callback_groups import (
@@ -183,15 +184,8 @@ class Node(NodeParameters, Destroyable):
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return a topic's name on the graph: expanded, and remapped unless `only_expand`."""
-        return self._resolve(topic, only_expand)
-
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Return a service's name on the graph: expanded, and remapped unless `only_expand`."""
-        return self._resolve(service, only_expand, is_service=True)
-
-    def _resolve(self, name: str, only_expand: bool, *, is_service: bool = False) -> str:
         try:
-            full = self._resolved(name, only_expand, is_service=is_service)
+            full = self._resolved(topic, only_expand)
         except ValueError as error:
             raise RCLError(f"failed to resolve name: {error}") from None
         problem = _names.full_topic_problem(full)
@@ -199,17 +193,19 @@ class Node(NodeParameters, Destroyable):
             raise RCLError(f"failed to resolve name: {problem}")
         return full
 
-    def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
+    resolve_service_name = resolve_topic_name
+
+    def _resolved(self, name: str, only_expand: bool = False) -> str:
         """Return a name expanded, and remapped unless `only_expand` is True."""
         self._use()
         full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
-        return _names.remapped(full, self._name, self._namespace, rules, is_service=is_service)
+        return _names.remapped(full, self._name, self._namespace, rules)
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
         """Return a name expanded and remapped."""
         _names.check_topic(name, _names.topic_problem(name), is_service=is_service)
-        full = self._resolved(name, is_service=is_service)
+        full = self._resolved(name)
         _names.check_topic(full, _names.full_topic_problem(full), is_service=is_service)
         return full
 
@@ -492,10 +488,7 @@ class Node(NodeParameters, Destroyable):
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
-        """Return the topics to which a node subscribes, sorted, with their types.
-
-        Those of actions are included. `no_demangle` has no effect.
-        """
+        """Return the topics to which a node subscribes; see `get_publisher_...`."""
         nodes = self._named(node_name, node_namespace)
         return _sorted(
             (s._topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
@@ -504,20 +497,14 @@ class Node(NodeParameters, Destroyable):
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services that a node offers, sorted, with their types.
-
-        Those of actions are included.
-        """
+        """Return the services that a node offers; see `get_publisher_...`."""
         nodes = self._named(node_name, node_namespace)
         return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services of which a node is a client, sorted, with their types.
-
-        Those of actions are included.
-        """
+        """Return the services of which a node is a client; see `get_publisher_...`."""
         nodes = self._named(node_name, node_namespace)
         return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
@@ -529,55 +516,43 @@ class Node(NodeParameters, Destroyable):
         The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
         has no effect.
         """
-        name = self._resolved(topic_name)
-        with self._graph.lock:
-            topic = self._graph.topics.get(name)
-            return [_info(endpoint) for endpoint in topic.publishers] if topic else []
+        return [_info(endpoint) for endpoint in self._topic(topic_name).publishers]
 
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Return a topic's subscriptions with types and QoS; an empty list for an unknown topic.
-
-        The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
-        has no effect.
-        """
-        name = self._resolved(topic_name)
-        with self._graph.lock:
-            topic = self._graph.topics.get(name)
-            return [_info(endpoint) for endpoint in topic.subscriptions] if topic else []
+        """Return a topic's subscriptions; see `get_publishers_info_by_topic`."""
+        return [_info(endpoint) for endpoint in self._topic(topic_name).subscriptions]
 
     def count_publishers(self, topic_name: str) -> int:
         """Return how many publishers a topic has; raise ValueError for a bad name.
 
         Unlike in rclpy, the name is not only expanded but also remapped.
         """
-        return len(self.get_publishers_info_by_topic(topic_name))
+        return len(self._topic(topic_name).publishers)
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return how many subscriptions a topic has; raise ValueError for a bad name.
-
-        Unlike in rclpy, the name is not only expanded but also remapped.
-        """
-        return len(self.get_subscriptions_info_by_topic(topic_name))
+        """Return how many subscriptions a topic has; see `count_publishers`."""
+        return len(self._topic(topic_name).subscriptions)
 
     def count_services(self, service_name: str) -> int:
-        """Return how many servers a service has; raise ValueError for a bad name.
-
-        Unlike in rclpy, the name is not only expanded but also remapped.
-        """
-        name = self._resolved(service_name, is_service=True)
+        """Return how many servers a service has; see `count_publishers`."""
         with self._graph.lock:
-            return len(self._graph.services.get(name, ()))
+            return len(self._graph.services.get(self._resolved(service_name), ()))
 
     def count_clients(self, service_name: str) -> int:
-        """Return how many clients a service has; raise ValueError for a bad name.
-
-        Unlike in rclpy, the name is not only expanded but also remapped.
-        """
-        name = self._resolved(service_name, is_service=True)
+        """Return how many clients a service has; see `count_publishers`."""
         with self._graph.lock:
-            return len(self._graph.clients.get(name, ()))
+            return len(self._graph.clients.get(self._resolved(service_name), ()))
+
+    def _topic(self, name: str) -> Topic:
+        """Return the endpoints of a topic now, as copies of the lists."""
+        found = Topic()
+        with self._graph.lock:
+            topic = self._graph.topics.get(self._resolved(name), found)
+            found.publishers = topic.publishers.copy()
+            found.subscriptions = topic.subscriptions.copy()
+        return found
 
     def _named(self, name: str, namespace: str) -> list[Node]:
         self._use()

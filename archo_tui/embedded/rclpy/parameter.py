@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import array
-from collections.abc import Sequence
 from enum import IntEnum
-from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import yaml
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
-
-from archo_tui.embedded.parameter_files import read
-from archo_tui.yaml_text.bounded_yaml import YamlError
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -143,36 +138,6 @@ def get_parameter_value(string_value: str) -> ParameterValue:
         text = string_value if value is None else value
         return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=text)
     return Parameter("value", kind, value).get_parameter_value()
-
-
-def parameter_dict_from_yaml_file(
-    parameter_file: str,
-    use_wildcard: bool = False,
-    target_nodes: Sequence[str] | None = None,
-    namespace: str = "",
-) -> dict[str, ParameterMsg]:
-    """Return the parameters that a file sets, as messages by name.
-
-    If one parameter is set several times, values for single nodes win against those for all nodes,
-    and values for a later node of `target_nodes` against those for an earlier one.
-    """
-    patterns = ["/**"] if use_wildcard else []
-    for node in filter(None, target_nodes or ()):
-        full = node if node.startswith("/") else f"/{node}"
-        patterns += [full] if "/" in full[1:] else [full, full[1:]]
-    try:
-        overrides = read(Path(parameter_file))
-    except YamlError as error:
-        raise RuntimeError(f"Param file does not contain any valid parameters: {error}") from None
-    found: dict[str, ParameterMsg] = {}
-    for pattern in patterns:
-        for override in overrides:
-            if override.pattern == pattern:
-                name = namespace + override.name
-                found[name] = Parameter(name, value=override.value).to_parameter_msg()
-    if not found:
-        raise RuntimeError("Param file does not contain any valid parameters")
-    return found
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:

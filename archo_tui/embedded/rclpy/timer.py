@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import threading
 from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from rclpy import _time_source
 from rclpy._entity import TimedEntity
@@ -15,17 +13,9 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
-from rclpy.time import Time
 
 if TYPE_CHECKING:
     from rclpy.node import Node
-
-
-class TimerInfo(NamedTuple):
-    """The times at which a timer's callback was due and was called, on the timer's clock."""
-
-    expected_call_time: Time
-    actual_call_time: Time
 
 
 class Timer(TimedEntity):
@@ -47,8 +37,6 @@ class Timer(TimedEntity):
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
         self.callback: Callable[..., Any] | None = callback
-        self._asked_of: object = None  # The callback that was last inspected for such an argument.
-        self._wanted = ""
         self._clock = clock
         self._ros_clock = clock if isinstance(clock, ROSClock) else None
         if self._ros_clock is not None:
@@ -157,7 +145,6 @@ class Timer(TimedEntity):
         now = self._now_ns()
         if self._canceled or now < self._next_ns:
             return None
-        expected = self._next_ns
         self._last_ns = now
         self._next_ns += self._period_ns
         if self._next_ns < now and self._period_ns:
@@ -166,33 +153,9 @@ class Timer(TimedEntity):
         elif not self._period_ns:
             self._next_ns = now
         self._schedule()
-        return self._with_info(expected, now)
-
-    def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
-        """Return the callback, with a TimerInfo if one of its arguments is annotated so."""
         if self.callback is None:  # As `self.tick()` gives; rclpy fails by its own variable's name.
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
-        if self._asked_of is not self.callback:
-            self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
-        if not self._wanted:
-            return self.callback
-        to_clock = self._clock.now().nanoseconds - self._now_ns()
-        kind = self._clock.clock_type
-        times = (Time(nanoseconds=t + to_clock, clock_type=kind) for t in (expected, actual))
-        return partial(self.callback, **{self._wanted: TimerInfo(*times)})
-
-
-def _info_argument(callback: Any) -> str:
-    """Return the name of the argument annotated as TimerInfo, or ""."""
-    code = getattr(getattr(callback, "__func__", callback), "__code__", None)
-    if code is not None and not getattr(callback, "__annotations__", None):
-        return ""
-    try:
-        parameters = inspect.signature(callback).parameters.values()
-    except (TypeError, ValueError):
-        return ""
-    annotated = (p.name for p in parameters if p.annotation is TimerInfo)
-    return next(annotated, "")
+        return self.callback
 
 
 class Rate:

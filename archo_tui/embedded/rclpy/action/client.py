@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
-import inspect
 import uuid
 import weakref
-from collections import deque
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy import _time_source
-from rclpy._entity import Entity, QueueEntity
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
+from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
     qos_profile_action_status_default,
@@ -30,6 +25,13 @@ from unique_identifier_msgs.msg import UUID
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+ACTIVE = (
+    GoalStatus.STATUS_ACCEPTED,
+    GoalStatus.STATUS_EXECUTING,
+    GoalStatus.STATUS_CANCELING,
+)
 
 
 class ClientGoalHandle:
@@ -155,17 +157,6 @@ class ActionClient:
 
         for entity in (*self._clients, *self._subscriptions):
             entity._rank, entity._is_part_of_action = 0, True
-        feedback, self._status = self._subscriptions
-        # In rclpy's order, except that a goal's status comes before its result.
-        self._together = _Together(
-            node,
-            callback_group or node.default_callback_group,
-            (self._goal_client, self._cancel_client, self._status, self._result_client, feedback),
-        )
-        node._entity_list.append(self._together)
-        self._status._follows_changes = True
-        # Without a bound, so that no change is lost.
-        self._status._queue = deque(self._status._queue)
 
     def send_goal_async(
         self,
@@ -240,68 +231,24 @@ class ActionClient:
             self._node.destroy_client(client)
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
-        self._node._destroy(self._together)
 
     def _use(self, to_do: str) -> None:
         if self._goal_client._destroyed:
             raise RCLError(f"Failed to {to_do}: the action client is destroyed")
 
-    def _on_feedback(self, message: Any) -> Any:
+    async def _on_feedback(self, message: Any) -> None:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
-        found = None if callback is None else callback(message)
-        return found if inspect.iscoroutinefunction(callback) else None
+        if callback is not None:
+            await await_or_execute(callback, message)
 
-    def _on_status(self, news: Any) -> None:
-        """Note the statuses of a message, and of all that are queued behind it.
-
-        So the handles have them before a result that arrived together with them.
-        """
-        self._take_status(news)
-        with contextlib.suppress(IndexError):  # The queue is empty.
-            while True:
-                self._take_status(self._status._queue.popleft())
-
-    def _take_status(self, news: Any) -> None:
-        if not isinstance(news, tuple):
-            news = [(bytes(s.goal_info.goal_id.uuid), s.status) for s in news.status_list]
-        for key, status in news:
+    def _on_status(self, message: Any) -> None:
+        for told in message.status_list:
+            key = bytes(told.goal_info.goal_id.uuid)
             handle = self._goal_handles.get(key)
             if handle is not None:
-                handle._status = status
-            if status not in ACTIVE:
+                handle._status = told.status
+            if told.status not in ACTIVE:
                 self._goal_handles.pop(key, None)
-
-
-class _Together(Entity):
-    """The received messages of an action client; an executor takes one of each kind at once.
-
-    rclpy does the same.
-    """
-
-    _rank, _is_part_of_action = 0, True
-
-    def __init__(
-        self, node: Node, callback_group: CallbackGroup, parts: Sequence[QueueEntity]
-    ) -> None:
-        super().__init__(node, callback_group)
-        self._parts = parts
-        for part in parts:
-            part._taken_by = self
-
-    def _waiting(self) -> int:
-        return sum(len(part._queue) for part in self._parts)
-
-    def _take(self) -> Callable[[], Any] | None:
-        taken = [work for part in self._parts if (work := part._take()) is not None]
-        return partial(_all, taken) if taken else None
-
-    def _is_awaited(self) -> bool:
-        return True
-
-
-def _all(taken: Sequence[Callable[[], Any]]) -> Any:
-    """Run all pieces of work; return the coroutine of an async feedback callback, or else None."""
-    return next(filter(None, [work() for work in taken]), None)
 
 
 def check_action(action_type: Any, name: str) -> None:

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.action import _goal_states as states
-from rclpy.action._goal_states import GoalEvent
-from rclpy.action.client import check_action
+from rclpy.action.client import ACTIVE, check_action
 from rclpy.callback_groups import CallbackGroup
 from rclpy.executors import await_or_execute
 from rclpy.qos import (
@@ -27,6 +25,44 @@ from rclpy.task import Future
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+class GoalEvent(Enum):
+    """The events that move a goal from one state to another, as rclpy names them."""
+
+    EXECUTE = 0
+    CANCEL_GOAL = 1
+    SUCCEED = 2
+    ABORT = 3
+    CANCELED = 4
+
+
+_NEXT = {
+    (GoalStatus.STATUS_ACCEPTED, GoalEvent.EXECUTE): GoalStatus.STATUS_EXECUTING,
+    (GoalStatus.STATUS_ACCEPTED, GoalEvent.CANCEL_GOAL): GoalStatus.STATUS_CANCELING,
+    (GoalStatus.STATUS_EXECUTING, GoalEvent.CANCEL_GOAL): GoalStatus.STATUS_CANCELING,
+    (GoalStatus.STATUS_EXECUTING, GoalEvent.SUCCEED): GoalStatus.STATUS_SUCCEEDED,
+    (GoalStatus.STATUS_EXECUTING, GoalEvent.ABORT): GoalStatus.STATUS_ABORTED,
+    (GoalStatus.STATUS_CANCELING, GoalEvent.SUCCEED): GoalStatus.STATUS_SUCCEEDED,
+    (GoalStatus.STATUS_CANCELING, GoalEvent.ABORT): GoalStatus.STATUS_ABORTED,
+    (GoalStatus.STATUS_CANCELING, GoalEvent.CANCELED): GoalStatus.STATUS_CANCELED,
+}
+
+
+def _next_state(state: int, event: GoalEvent) -> int:
+    """Return the state of a goal after an event; raise RCLError if the state does not allow it."""
+    try:
+        return _NEXT[state, event]
+    except KeyError:
+        raise RCLError(
+            f"Failed to update goal state: goal_handle attempted invalid transition from state "
+            f"{state}: {event.name}"
+        ) from None
+
+
+def _is_cancelable(state: int) -> bool:
+    """Return True for an accepted or executing goal, which a cancel request may still reach."""
+    return (state, GoalEvent.CANCEL_GOAL) in _NEXT
 
 
 class GoalResponse(Enum):
@@ -89,7 +125,7 @@ class ServerGoalHandle:
 
         See `status` about a goal that is forgotten.
         """
-        return self.status in states.ACTIVE
+        return self.status in ACTIVE
 
     @property
     def is_cancel_requested(self) -> bool:
@@ -137,8 +173,8 @@ class ServerGoalHandle:
         with self._lock:
             if self._destroyed:
                 return
-            self._status = states.next_state(self._status, event)
-        self._server._publish_status(self)
+            self._status = _next_state(self._status, event)
+        self._server._publish_status()
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
@@ -224,7 +260,6 @@ class ActionServer:
         self._status = node.create_publisher(
             impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
-        self._status._set_latched(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
     @property
@@ -288,7 +323,7 @@ class ActionServer:
         goal = ServerGoalHandle(self, info, request.goal)
         self._goal_handles[goal_id] = goal
         self._services[0].send_response(response, header)
-        self._publish_status(goal)
+        self._publish_status()
         await await_or_execute(self._handle_accepted_callback, goal)
 
     def notify_execute(
@@ -345,13 +380,13 @@ class ActionServer:
             goal = self._goal_handles.get(goal_id)
             if goal is None or goal._destroyed:
                 return CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, []
-            if not states.is_cancelable(goal.status):
+            if not _is_cancelable(goal.status):
                 return CancelGoal.Response.ERROR_GOAL_TERMINATED, []
             return CancelGoal.Response.ERROR_NONE, [goal]
         named = [
             goal
             for key, goal in self._goal_handles.items()
-            if states.is_cancelable(goal.status)
+            if _is_cancelable(goal.status)
             and (key == goal_id or not until or _ns(goal._info.stamp) <= until)
         ]
         return CancelGoal.Response.ERROR_NONE, named
@@ -367,15 +402,10 @@ class ActionServer:
             lambda future: service.send_response(future.result(), header)
         )
 
-    def _publish_status(self, changed: ServerGoalHandle) -> None:
-        """Publish the status of all kept goals; action clients get only that of `changed`."""
-        key, status = bytes(changed.goal_id.uuid), changed.status
-        self._status._publish_lazily(self._all_statuses, ((key, status),))
-
-    def _all_statuses(self) -> GoalStatusArray:
+    def _publish_status(self) -> None:
         goals = [goal for goal in self._goal_handles.values() if not goal._destroyed]
         statuses = [GoalStatus(goal_info=goal._info, status=goal.status) for goal in goals]
-        return GoalStatusArray(status_list=statuses)
+        self._status.publish(GoalStatusArray(status_list=statuses))
 
     def _forget_expired(self) -> None:
         while self._ended and self._ended[0]._expires <= self._clock.now().nanoseconds:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partialmethod
 from typing import Any, TypeVar
 
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
@@ -98,29 +99,6 @@ class LifecycleNodeMixin:
                 publisher.is_activated = activated
         return _SUCCESS
 
-    def trigger_configure(self) -> TransitionCallbackReturn:
-        """Run `on_configure`, change the state by its outcome, and return the outcome."""
-        return self._run_transition("configure")
-
-    def trigger_cleanup(self) -> TransitionCallbackReturn:
-        """Run `on_cleanup`, change the state by its outcome, and return the outcome."""
-        return self._run_transition("cleanup")
-
-    def trigger_activate(self) -> TransitionCallbackReturn:
-        """Run `on_activate`, change the state by its outcome, and return the outcome."""
-        return self._run_transition("activate")
-
-    def trigger_deactivate(self) -> TransitionCallbackReturn:
-        """Run `on_deactivate`, change the state by its outcome, and return the outcome."""
-        return self._run_transition("deactivate")
-
-    def trigger_shutdown(self) -> TransitionCallbackReturn:
-        """Run `on_shutdown`, change the state by its outcome, and return the outcome."""
-        return self._run_transition("shutdown")
-
-    def _steps(self) -> list[Step]:
-        return [step for step in STEPS if step.start == self._state]
-
     def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
         """Go through a transition with its callback, and return the callback's outcome.
 
@@ -139,6 +117,16 @@ class LifecycleNodeMixin:
         if self._state == State.TRANSITION_STATE_ERRORPROCESSING:
             self._take(f"transition_{self._call(before).name.lower()}")
         return outcome
+
+    # Each runs its callback, changes the state by the outcome, and returns the outcome.
+    trigger_configure = partialmethod(_run_transition, "configure")
+    trigger_cleanup = partialmethod(_run_transition, "cleanup")
+    trigger_activate = partialmethod(_run_transition, "activate")
+    trigger_deactivate = partialmethod(_run_transition, "deactivate")
+    trigger_shutdown = partialmethod(_run_transition, "shutdown")
+
+    def _steps(self) -> list[Step]:
+        return [step for step in STEPS if step.start == self._state]
 
     def _call(self, before: LifecycleState) -> TransitionCallbackReturn:
         node: Any = self
