@@ -22,7 +22,7 @@ _SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml")  # As ROS 2's launch f
 
 def launch(options: Namespace) -> int:
     """Run the console with a launch file, or print the arguments that the file declares."""
-    from archo_tui.launch.evaluate import launch_arguments, parse_arguments
+    from archo_tui.launch.evaluate import evaluate, parse_arguments
     from archo_tui.launch.workspace import Workspace
     from archo_tui.session_options import Launch
     from archo_tui.user_code.launch_file import NothingRunsError
@@ -30,8 +30,8 @@ def launch(options: Namespace) -> int:
     file = _launch_file(Path(options.file))
     if options.show_args:
         with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
-            found = launch_arguments(str(file), Workspace.around(file), Path(prefix))
-        for line in _argument_lines(found):
+            plan = evaluate(str(file), Workspace.around(file), Path(prefix), None)
+        for line in _argument_lines(plan.arguments):
             print(safe(line))
         return 0
     chosen = Launch(file, parse_arguments(options.arguments))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,32 +37,15 @@ def evaluate(
     given: str,
     workspace: Workspace,
     prefix: Path,
-    arguments: Mapping[str, str],
+    arguments: Mapping[str, str] | None,
     seconds: float = EVALUATION_TIME,
 ) -> LaunchPlan:
     """Return what a launch file, run in a process of its own, would start.
 
-    A program that is not here is left out with a note. Nodes read files in `prefix`, which the
-    caller removes. Blocks: not for the UI thread. Raises LaunchFileError.
+    A program that is not here is left out with a note; without `arguments` all are, and the plan
+    says only which arguments there are. Nodes read files in `prefix`, which the caller removes.
+    Blocks: not for the UI thread. Raises LaunchFileError.
     """
-    return _evaluate(given, workspace, prefix, arguments, seconds)
-
-
-def launch_arguments(
-    given: str, workspace: Workspace, prefix: Path, seconds: float = EVALUATION_TIME
-) -> Sequence[LaunchArgument]:
-    """Return the arguments that a launch file, whose code is run, declares; blocks."""
-    return _evaluate(given, workspace, prefix, None, seconds).arguments
-
-
-def _evaluate(
-    given: str,
-    workspace: Workspace,
-    prefix: Path,
-    arguments: Mapping[str, str] | None,
-    seconds: float,
-) -> LaunchPlan:
-    """Return the plan of a launch file; without arguments it says only which there are."""
     path = Path(given).resolve()
     if not path.is_file():
         raise LaunchFileError(f"{given}: there is no such launch file")

@@ -34,7 +34,7 @@ _own_folders: list[Path] = []  # Of the packages, whose modules a launch file ma
 
 
 def main() -> None:
-    """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
+    """Answer the request of `evaluate.evaluate`, and end the process."""
     os.environ.setdefault("ROS_DISTRO", distribution() or EMBEDDED_RELEASE)
     child_process.serve(evaluate, _is_own)
 

@@ -11,7 +11,7 @@ import pytest
 
 from archo_tui import ros_release
 from archo_tui.errors import ArchoError
-from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
+from archo_tui.launch.evaluate import LaunchFileError, evaluate, parse_arguments
 from archo_tui.launch.workspace import Workspace
 from tests.launch.planning import WORKSPACE, Launcher, in_this_process
 from tests.support.waiting import DEADLINE
@@ -210,7 +210,7 @@ def test_arguments_are_listed_without_performing_anything(
         """
     )
     with in_this_process():
-        found = launch_arguments(str(path), workspace, launcher.prefix)
+        found = evaluate(str(path), workspace, launcher.prefix, None).arguments
     assert [(one.name, one.default, one.choices, one.is_conditional) for one in found] == [
         ("robot", None, [], False),
         ("mode", "fast", ["fast", "slow"], False),

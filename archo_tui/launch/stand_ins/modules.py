@@ -36,15 +36,7 @@ def _classes(module: ModuleType) -> dict[str, Any]:
     }
 
 
-_OF_INDEX = _names(
-    packages,
-    *("PackageNotFoundError", "get_package_prefix", "get_package_share_directory"),
-    *("get_package_share_path", "get_packages_with_prefixes"),
-)
 _CONTENTS: dict[str, ModuleContents] = {
-    "ament_index_python": _OF_INDEX,
-    "ament_index_python.packages": _OF_INDEX,
-    "ament_index_python.resources": _names(packages, "has_resource"),
     "launch": _names(
         core,
         *("Action", "Condition", "LaunchContext", "LaunchDescription", "LaunchDescriptionEntity"),
@@ -70,12 +62,27 @@ _CONTENTS: dict[str, ModuleContents] = {
     "launch_yaml.launch_description_sources": _names(sources, "YAMLLaunchDescriptionSource"),
     "nav2_common": {},
 }
-_FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *ABSENT]}
+_FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *ABSENT]} | {"ament_index_python"}
 
 
 def importable_stand_ins() -> AbstractContextManager[None]:
     """Let imports inside this context find the stand-ins instead of installed packages."""
-    return importable(_FAMILIES, _contents, lambda name, what: absent_class(_home(name), what))
+    found = packages.index.contents()
+    contents = _CONTENTS | {
+        "ament_index_python": found,
+        "ament_index_python.packages": found,
+        "ament_index_python.resources": _names(packages.index, "has_resource"),
+    }
+
+    def contents_of(name: str) -> ModuleContents | None:
+        """Return the names of a module, with those that are not supported for `import *`."""
+        home = _home(name)
+        if home not in contents and home not in ABSENT:
+            return None
+        absent = ABSENT.get(home, {}).keys() - {"*"}
+        return {**contents.get(home, {}), "__all__": [*contents.get(home, ()), *absent]}
+
+    return importable(_FAMILIES, contents_of, lambda name, what: absent_class(_home(name), what))
 
 
 def _home(name: str) -> str:
@@ -88,13 +95,3 @@ def _home(name: str) -> str:
         name in _CONTENTS or name in ABSENT or not name.startswith(("launch.", "launch_ros."))
     )
     return name if is_known or not last.islower() else parent
-
-
-def _contents(name: str) -> ModuleContents | None:
-    """Return the names of a module, with those that are not supported for `import *`."""
-    home = _home(name)
-    if home not in _CONTENTS and home not in ABSENT:
-        return None
-    found = _CONTENTS.get(home, {})
-    named = ABSENT.get(home, {}).keys() - {"*"}
-    return {**found, "__all__": [*found, *named]}

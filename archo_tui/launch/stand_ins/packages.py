@@ -1,10 +1,12 @@
-"""The packages that a launch file can find: `ament_index_python.packages`, `launch_ros`'s too."""
+"""The packages that a launch file or a node can find: `ament_index_python`, and `launch_ros`'s."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from archo_tui.launch.package import INDEX, Package
 from archo_tui.launch.stand_ins.core import (
@@ -16,36 +18,80 @@ from archo_tui.launch.stand_ins.core import (
     perform,
 )
 from archo_tui.launch.workspace import Workspace
+from archo_tui.nearest import nearest_hint
 
 
 class PackageNotFoundError(KeyError):
-    """The error of ament_index_python for an unknown package; it is never raised here."""
+    """The error of ament_index_python for an unknown package."""
 
 
-class PackageIndex:
-    """The packages of the workspace, and of the prefixes on AMENT_PREFIX_PATH."""
+class AmentIndex:
+    """The packages of workspaces, with the functions of `ament_index_python.packages`."""
+
+    def __init__(self, workspaces: Sequence[Workspace], prefix: Path) -> None:
+        self.workspaces, self.prefix = workspaces, prefix
+
+    def get_package_prefix(self, package_name: str) -> str:
+        """Return the install prefix of a package, and fill its share folder.
+
+        This may run its setup.py, and blocks. Raises PackageNotFoundError, and ArchoError for a
+        mistake in setup.py.
+        """
+        for workspace in self.workspaces:
+            package = workspace.find(package_name)
+            if package is not None:
+                package.fill_share_folder(self.prefix)
+                return str(self.prefix)
+        known = [name for workspace in self.workspaces for name in workspace.packages]
+        near = nearest_hint(package_name, known)
+        raise PackageNotFoundError(f"package '{package_name}' not found{near}")
+
+    def get_package_share_directory(self, package_name: str, print_warning: bool = True) -> str:
+        """Return the share folder of a package; see `get_package_prefix`."""
+        return os.path.join(self.get_package_prefix(package_name), "share", package_name)
+
+    def get_package_share_path(self, package_name: str, print_warning: bool = True) -> Path:
+        """Return the share folder of a package as a path."""
+        return Path(self.get_package_share_directory(package_name))
+
+    def contents(self) -> dict[str, Any]:
+        """Return the names of the module."""
+        return {
+            "PackageNotFoundError": PackageNotFoundError,
+            "get_package_prefix": self.get_package_prefix,
+            "get_package_share_directory": self.get_package_share_directory,
+            "get_package_share_path": self.get_package_share_path,
+        }
+
+
+class PackageIndex(AmentIndex):
+    """The index of a launch file, for which a missing package has a path that does not exist.
+
+    So a launch file that also needs other packages is evaluated all the same.
+    """
 
     def __init__(self, workspace: Workspace, prefix: Path) -> None:
-        self.workspace, self.prefix = workspace, prefix
+        super().__init__([workspace], prefix)
+        self.workspace = workspace
         # Packages that are not here, and a line that needs each.
         self.missing: dict[str, Place] = {}
         self._absent = prefix / "not_here"
 
-    def prefix_of(self, name: str) -> Path:
-        """Return the install prefix of a package; for a missing one a path that does not exist.
+    def get_package_prefix(self, package_name: str) -> str:
+        """Return a prefix, also of the packages on AMENT_PREFIX_PATH; raise ArchoError."""
+        try:
+            return super().get_package_prefix(package_name)
+        except PackageNotFoundError:
+            for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+                if (Path(prefix) / INDEX / package_name).is_file():
+                    return prefix
+            self.missing.setdefault(package_name, calling_place())
+            return str(self._absent / package_name)
 
-        So a launch file that also needs other packages is evaluated all the same; they are kept in
-        `missing`. The share folder of a workspace's package is filled. Raises ArchoError.
-        """
-        package = self.workspace.find(name)
-        if package is not None:
-            package.fill_share_folder(self.prefix)
-            return self.prefix
-        for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-            if (Path(prefix) / INDEX / name).is_file():
-                return Path(prefix)
-        self.missing.setdefault(name, calling_place())
-        return self._absent / name
+    def has_resource(self, resource_type: str, resource_name: str) -> str | bool:
+        """Return the prefix of a package, for the resource type `packages`; else False."""
+        found = self.get_package_prefix(resource_name) if resource_type == "packages" else ""
+        return found if found and resource_name not in self.missing else False
 
     def missing_package(self, path: str) -> str:
         """Return the name of the missing package whose prefix a path is below, or ""."""
@@ -80,32 +126,6 @@ def use(packages: PackageIndex) -> None:
     index = packages
 
 
-def get_package_prefix(package_name: str) -> str:
-    """Return the install prefix of a package, as `PackageIndex.prefix_of` does."""
-    return str(index.prefix_of(package_name))
-
-
-def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:  # noqa: ARG001
-    """Return the share folder of a package; for a missing one a path that does not exist."""
-    return str(get_package_share_path(package_name))
-
-
-def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:  # noqa: ARG001
-    """Return the share folder of a package as a Path."""
-    return index.prefix_of(package_name) / "share" / package_name
-
-
-def get_packages_with_prefixes() -> dict[str, str]:
-    """Return the install prefix of each package of the workspace; each setup.py runs for it."""
-    return {name: get_package_prefix(name) for name in index.workspace.packages}
-
-
-def has_resource(resource_type: str, resource_name: str) -> str | bool:
-    """Return the prefix of a package that is here, for the resource type `packages`; else False."""
-    found = get_package_prefix(resource_name) if resource_type == "packages" else ""
-    return found if found and resource_name not in index.missing else False
-
-
 @dataclass(eq=False)
 class FindPackagePrefix(Substitution):
     """The install prefix of a package; for a missing package a folder that does not exist."""
@@ -114,7 +134,7 @@ class FindPackagePrefix(Substitution):
 
     def find(self, package_name: str) -> str:
         """Return the folder that the substitution stands for."""
-        return get_package_prefix(package_name)
+        return index.get_package_prefix(package_name)
 
     def perform(self, context: LaunchContext) -> str:
         package = perform(context, self.package)
@@ -128,4 +148,4 @@ class FindPackageShare(FindPackagePrefix):
     """The share folder of a package; for a missing package a folder that does not exist."""
 
     def find(self, package_name: str) -> str:
-        return get_package_share_directory(package_name)
+        return index.get_package_share_directory(package_name)
