@@ -87,7 +87,7 @@ class Executor:
         self._round: deque[Entity | Task[Any]] = deque()  # The rest of the current round.
         self._blocked: list[Entity] = []  # Ready, but their callback group is taken.
         self._timers: list[tuple[int, int, TimedEntity]] = []
-        self._due_ns: int | None = None  # The next timer; known if no work is left.
+        self._due_ns: int | None = None  # When the next timer is due; known if no work is left.
         self._order = itertools.count()
         self._is_shutdown = False
         self._had_tasks = False  # True if the round's tasks are done and its entities come next.
@@ -299,47 +299,28 @@ class Executor:
     def _next_work(
         self, timeout_sec: float | None, stop: Callable[[], bool]
     ) -> tuple[Work, Entity | None]:
-        with self._condition:
-            self._check_alive()
-            found = None if self._has_nothing_to_do() else self._pop_ready()
-            return self._wait_for_work(timeout_sec, stop) if found is None else found
-
-    def _has_nothing_to_do(self) -> bool:
-        """Return True if no work is left and no timer is due, so that a new round begins.
-
-        In that case the time of the next timer is noted for the wait.
-        """
-        if self._round or self._ready or self._tasks:
-            return False
-        self._had_tasks = False
-        self._due_ns = self._timers[0][0] if self._timers else None
-        return self._due_ns is None or self._due_ns > _time_source.monotonic_ns()
-
-    def _wait_for_work(
-        self, timeout_sec: float | None, stop: Callable[[], bool]
-    ) -> tuple[Work, Entity | None]:
-        """Block until there is a piece of work, and take it; the caller holds the condition."""
+        """Block until there is a piece of work, and take it."""
         deadline = _time_source.deadline_ns(timeout_sec)
-        while True:
-            if stop():
-                raise ConditionReachedException
-            if deadline is not None and _time_source.monotonic_ns() >= deadline:
-                raise TimeoutException
-            until = self._due_ns
-            if deadline is not None and (until is None or deadline < until):
-                until = deadline
-            self._notified = False
-            _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
-            self._check_alive()
-            found = self._pop_ready()
-            if found is not None:
-                return found
-
-    def _check_alive(self) -> None:
-        if self._is_shutdown:
-            raise ShutdownException
-        if not self._context._ok:
-            raise ExternalShutdownException
+        with self._condition:
+            while True:
+                if self._is_shutdown:
+                    raise ShutdownException
+                if not self._context._ok:
+                    raise ExternalShutdownException
+                found = self._pop_ready()
+                if found is not None:
+                    return found
+                if stop():
+                    raise ConditionReachedException
+                if deadline is not None and _time_source.monotonic_ns() >= deadline:
+                    raise TimeoutException
+                ends = [end for end in (self._due_ns, deadline) if end is not None]
+                self._notified = False
+                _time_source.wait(
+                    self._condition,
+                    lambda: self._is_idle() and not stop(),
+                    min(ends, default=None),
+                )
 
     def _is_idle(self) -> bool:
         """Return True until work is announced, so that a wait goes on."""

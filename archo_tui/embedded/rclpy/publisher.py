@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy._entity import Endpoint
@@ -42,6 +43,8 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         # Kept for late joiners, each with the time (ns) of its sending.
         self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile._queue_size)
+        self._make_kept: Callable[[], Any] | None = None
+        self._has_published = False
         self._lifespan = qos_profile.lifespan.nanoseconds  # 0 means for ever.
 
     def publish(self, msg: MsgT | bytes) -> None:
@@ -71,6 +74,23 @@ class Publisher(Endpoint, Generic[MsgT]):
         while self._lifespan and self._kept and now - self._kept[0][0] > self._lifespan:
             self._kept.popleft()
 
+    def _set_latched(self, make: Callable[[], Any]) -> None:
+        """Set the function that makes the one message for late joiners; none is kept any more."""
+        self._make_kept = make
+        self._keeps = False
+
+    def _publish_lazily(self, make: Callable[[], Any], news: Any) -> None:
+        """Send the message that `make()` returns, made only if a subscription needs it."""
+        self._use()
+        self._has_published = True
+        message: Any = None
+        for subscription in self._matched:
+            if subscription._follows_changes:
+                subscription._deliver(news)
+                continue
+            message = message or make()
+            subscription._receive(message, self)
+
     def assert_liveliness(self) -> None:
         """Do nothing: this engine has no liveliness events."""
         self._use()
@@ -95,6 +115,8 @@ class Publisher(Endpoint, Generic[MsgT]):
         Kept messages older than the lifespan are dropped instead.
         """
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            if self._make_kept is not None and self._has_published:
+                subscription._receive(self._make_kept(), self)
             self._drop_expired(monotonic_ns())
             for _, message in self._kept:
                 subscription._receive(message, self)

@@ -44,6 +44,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     """
 
     _rank = 2
+    _follows_changes = False  # True takes the changes of a status instead of all of it.
 
     def __init__(
         self,

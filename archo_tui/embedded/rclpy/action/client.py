@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import uuid
 import weakref
+from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -157,6 +159,9 @@ class ActionClient:
 
         for entity in (*self._clients, *self._subscriptions):
             entity._rank, entity._is_part_of_action = 0, True
+        self._status = self._subscriptions[1]
+        self._status._follows_changes = True
+        self._status._queue = deque()  # Without a bound, so that no change is lost.
 
     def send_goal_async(
         self,
@@ -241,13 +246,24 @@ class ActionClient:
         if callback is not None:
             await await_or_execute(callback, message)
 
-    def _on_status(self, message: Any) -> None:
-        for told in message.status_list:
-            key = bytes(told.goal_info.goal_id.uuid)
+    def _on_status(self, news: Any) -> None:
+        """Note the statuses of a message, and of all that are queued behind it.
+
+        So the handles have them before a result that arrived together with them.
+        """
+        with contextlib.suppress(IndexError):  # The queue is empty.
+            while True:
+                self._take_status(news)
+                news = self._status._queue.popleft()
+
+    def _take_status(self, news: Any) -> None:
+        if not isinstance(news, tuple):
+            news = [(bytes(s.goal_info.goal_id.uuid), s.status) for s in news.status_list]
+        for key, status in news:
             handle = self._goal_handles.get(key)
             if handle is not None:
-                handle._status = told.status
-            if told.status not in ACTIVE:
+                handle._status = status
+            if status not in ACTIVE:
                 self._goal_handles.pop(key, None)
 
 

@@ -174,7 +174,7 @@ class ServerGoalHandle:
             if self._destroyed:
                 return
             self._status = _next_state(self._status, event)
-        self._server._publish_status()
+        self._server._publish_status(self)
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
@@ -260,6 +260,7 @@ class ActionServer:
         self._status = node.create_publisher(
             impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
+        self._status._set_latched(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
     @property
@@ -323,7 +324,7 @@ class ActionServer:
         goal = ServerGoalHandle(self, info, request.goal)
         self._goal_handles[goal_id] = goal
         self._services[0].send_response(response, header)
-        self._publish_status()
+        self._publish_status(goal)
         await await_or_execute(self._handle_accepted_callback, goal)
 
     def notify_execute(
@@ -402,10 +403,15 @@ class ActionServer:
             lambda future: service.send_response(future.result(), header)
         )
 
-    def _publish_status(self) -> None:
+    def _publish_status(self, changed: ServerGoalHandle) -> None:
+        """Publish the status of all kept goals; action clients get only that of `changed`."""
+        key, status = bytes(changed.goal_id.uuid), changed.status
+        self._status._publish_lazily(self._all_statuses, ((key, status),))
+
+    def _all_statuses(self) -> GoalStatusArray:
         goals = [goal for goal in self._goal_handles.values() if not goal._destroyed]
         statuses = [GoalStatus(goal_info=goal._info, status=goal.status) for goal in goals]
-        self._status.publish(GoalStatusArray(status_list=statuses))
+        return GoalStatusArray(status_list=statuses)
 
     def _forget_expired(self) -> None:
         while self._ended and self._ended[0]._expires <= self._clock.now().nanoseconds:
