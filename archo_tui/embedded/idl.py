@@ -47,8 +47,8 @@ class Section(NamedTuple):
     """
 
     path: Path
-    fields: tuple[Field, ...]
-    constants: tuple[tuple[str, FieldType, object], ...]
+    fields: list[Field]
+    constants: list[tuple[str, FieldType, object]]
 
 
 def is_package_name(name: str) -> bool:
@@ -63,21 +63,21 @@ def parse(path: Path, package: str) -> list[Section]:
             f"{path}:1: {path.stem} is not a name of an interface: capitals, letters and digits, "
             "like BatteryStatus"
         )
-    wanted, readers = _PARTS[path.suffix], [_Reader(path, package)]
+    wanted, sections = _PARTS[path.suffix], [Section(path, [], [])]
     for number, line in enumerate(_text(path).splitlines(), 1):
         if line == "---" and wanted > 1:
-            readers.append(_Reader(path, package))
+            sections.append(Section(path, [], []))
             continue
         try:
-            readers[-1].take(line.replace("\t", " "), number)
+            _add(sections[-1], package, line.replace("\t", " "), number)
         except ValueError as error:
             raise InterfaceError(f"{path}:{number}: {error}") from None
-    if len(readers) != wanted:
+    if len(sections) != wanted:
         raise InterfaceError(
             f"{path}:1: a {path.suffix} file has {wanted - 1} '---' lines, this one has "
-            f"{len(readers) - 1}"
+            f"{len(sections) - 1}"
         )
-    return [reader.section for reader in readers]
+    return sections
 
 
 def _text(path: Path) -> str:
@@ -89,66 +89,53 @@ def _text(path: Path) -> str:
         raise InterfaceError(f"{path}:{line}: not UTF-8: save it as that") from None
 
 
-class _Reader:
-    """A parser of one section, fed line by line."""
+def _add(section: Section, package: str, line: str, number: int) -> None:
+    """Add a line's field or constant to a section; ignore a blank line and a comment."""
+    line = line.partition("#")[0].rstrip()  # within quotes, too
+    if not line:
+        return
+    word, _, rest = line.partition(" ")
+    rest = rest.lstrip()
+    if not word:
+        raise ValueError("begins with a space: 'type name' begins the line")
+    if not rest:
+        raise ValueError(f"not 'type name': {line!r}")
+    if "=" in rest:
+        name, _, text = rest.partition("=")
+        constant = _constant(word, name.rstrip(), text.lstrip())
+        if any(name == constant[0] for name, *_ in section.constants):
+            raise ValueError(f"a second constant named {constant[0]!r}")
+        section.constants.append(constant)
+        return
+    name, _, text = rest.partition(" ")
+    field = _field(_type(word, package), name, text.lstrip(), number)
+    if any(field.name == other.name for other in section.fields):
+        raise ValueError(f"a second field named {name!r}")
+    section.fields.append(field)
 
-    def __init__(self, path: Path, package: str) -> None:
-        self._path, self._package = path, package
-        self._fields: dict[str, Field] = {}
-        self._constants: dict[str, tuple[str, FieldType, object]] = {}
 
-    @property
-    def section(self) -> Section:
-        """Return the fields and constants of all lines taken so far."""
-        return Section(self._path, tuple(self._fields.values()), tuple(self._constants.values()))
+def _constant(word: str, name: str, text: str) -> tuple[str, FieldType, object]:
+    if word not in PRIMITIVES:
+        known = ", ".join(sorted(PRIMITIVES))
+        raise ValueError(f"{word} is not a type of constants: one of {known}")
+    if not _CONSTANT.fullmatch(name):
+        raise ValueError(f"{name!r} is not a name of a constant: capitals, digits and single _")
+    kind = FieldType(word)
+    return name, kind, idl_values.read(text, kind)
 
-    def take(self, line: str, number: int) -> None:
-        """Parse a line, and keep its field or constant; ignore a blank line and a comment."""
-        line = line.partition("#")[0].rstrip()  # within quotes, too
-        if not line:
-            return
-        word, _, rest = line.partition(" ")
-        rest = rest.lstrip()
-        if not word:
-            raise ValueError("begins with a space: 'type name' begins the line")
-        if not rest:
-            raise ValueError(f"not 'type name': {line!r}")
-        if "=" in rest:
-            name, _, text = rest.partition("=")
-            self._constant(word, name.rstrip(), text.lstrip())
-        else:
-            name, _, text = rest.partition(" ")
-            self._field(word, name, text.lstrip(), number)
 
-    def _constant(self, word: str, name: str, text: str) -> None:
-        if word not in PRIMITIVES:
-            raise ValueError(
-                f"{word} is not a type of constants: one of {', '.join(sorted(PRIMITIVES))}"
-            )
-        if not _CONSTANT.fullmatch(name):
-            raise ValueError(f"{name!r} is not a name of a constant: capitals, digits and single _")
-        if name in self._constants:
-            raise ValueError(f"a second constant named {name!r}")
-        kind = FieldType(word)
-        self._constants[name] = name, kind, idl_values.read(text, kind)
-
-    def _field(self, word: str, name: str, text: str, number: int) -> None:
-        kind = _type(word, self._package)
-        if not _PACKAGE.fullmatch(name):
-            raise ValueError(
-                f"{name!r} is not a name of a field: small letters, digits and single _"
-            )
-        if keyword.iskeyword(name):
-            raise ValueError(f"{name!r} is a word of Python: rosidl's classes cannot be imported")
-        if name in self._fields:
-            raise ValueError(f"a second field named {name!r}")
-        default = idl_values.read(text, kind) if text else None
-        numbers = default if isinstance(default, list) else [default]
-        for value in numbers if kind.base == "float32" else ():
-            if isinstance(value, float) and FLOAT32_MAX < abs(value) < float("inf"):
-                # As the setter of the message would.
-                raise ValueError(f"{value:g} is too large for {kind.base}")
-        self._fields[name] = Field(kind, name, default, number)
+def _field(kind: FieldType, name: str, text: str, number: int) -> Field:
+    if not _PACKAGE.fullmatch(name):
+        raise ValueError(f"{name!r} is not a name of a field: small letters, digits and single _")
+    if keyword.iskeyword(name):
+        raise ValueError(f"{name!r} is a word of Python: rosidl's classes cannot be imported")
+    default = idl_values.read(text, kind) if text else None
+    numbers = default if isinstance(default, list) else [default]
+    for value in numbers if kind.base == "float32" else ():
+        if isinstance(value, float) and FLOAT32_MAX < abs(value) < float("inf"):
+            # As the setter of the message would.
+            raise ValueError(f"{value:g} is too large for {kind.base}")
+    return Field(kind, name, default, number)
 
 
 def _type(word: str, package: str) -> FieldType:

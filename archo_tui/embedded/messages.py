@@ -160,11 +160,11 @@ def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]
         name: load(member) if isinstance(member, str) else member
         for name, member in members.items()
     }
-    fields = tuple(
+    fields = [
         Field(FieldType(primitives.get(member) or _base(member)), name, None, 0)
         for name, member in classes.items()
-    )
-    section = Section(Path(type_name), fields, ())
+    ]
+    section = Section(Path(type_name), fields, [])
     return make_message(type_name, section, lambda _, field: classes[field.name])
 
 

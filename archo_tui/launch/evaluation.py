@@ -123,7 +123,7 @@ def _described(error: BaseException, context: LaunchContext) -> ChildError:
     missing = packages.index.missing_package(str(getattr(error, "filename", "")))
     if missing:
         text = f"package {missing} is not here, nor its files"
-    elif isinstance(error, RecursionError):
+    elif isinstance(error, RecursionError) and not found.file:
         text = "these launch files include each other without end"
     elif isinstance(error, (SubstitutionFailure, ArchoError)):  # Of a setup.py, which is named.
         text = str(error)

@@ -137,13 +137,6 @@ def test_a_clock_sleeps(ros: Ros) -> None:
     assert clock.now() - before >= Duration(nanoseconds=19_000_000)
 
 
-def test_a_node_is_waited_for(ros: Ros) -> None:
-    node = ros.node("here")
-    ros.node("there")
-    assert node.wait_for_node("/there", 10.0)
-    assert not node.wait_for_node("/nowhere", 0.1)
-
-
 def test_parameters_are_found_by_their_prefix(ros: Ros) -> None:
     node = ros.node()
     node.declare_parameter("arm.left.speed", 1.0)

@@ -11,7 +11,6 @@ from rclpy import (
     _arguments,
     _names,
     _process,
-    _time_source,
     logging,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
@@ -356,16 +355,6 @@ class Node(NodeParameters, Destroyable):
         """
         rate.destroy()
         return self._destroy(rate._timer)
-
-    def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        """Block until a node is on the graph; return False if it does not come in time."""
-        name = f"/{fully_qualified_node_name.lstrip('/')}"
-        with self._graph.changed:
-            return _time_source.wait_until(
-                self._graph.changed,
-                lambda: name in self.get_fully_qualified_node_names(),
-                _time_source.deadline_ns(timeout),
-            )
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
         """Destroy a publisher of this node; return False, and do nothing, for any other."""

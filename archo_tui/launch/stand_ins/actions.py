@@ -193,12 +193,12 @@ class GroupAction(Action):
         given = self.launch_configurations or {}
         with at(self.place):
             sets: list[Action] = [SetLaunchConfiguration(*pair) for pair in given.items()]
-        if not flag(context, self.scoped):
-            return [*sets, *self.actions]
-        if not flag(context, self.forwarding):
-            sets = [ResetEnvironment(), ResetLaunchConfigurations(given)]
-        begin, end = PushLaunchConfigurations(), PopLaunchConfigurations()
-        return [begin, PushEnvironment(), *sets, *self.actions, PopEnvironment(), end]
+            if not flag(context, self.scoped):
+                return [*sets, *self.actions]
+            if not flag(context, self.forwarding):
+                sets = [ResetEnvironment(), ResetLaunchConfigurations(given)]
+            begin, end = PushLaunchConfigurations(), PopLaunchConfigurations()
+            return [begin, PushEnvironment(), *sets, *self.actions, PopEnvironment(), end]
 
     def sub_entities(self) -> Iterable[Any]:
         return self.actions
