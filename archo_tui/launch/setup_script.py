@@ -11,14 +11,18 @@ import runpy
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process
-from archo_tui.launch.import_stand_ins import ModuleContents, importable
 
 SETUP_TIME = 5.0  # Seconds that a setup.py may take.
-_DEEPEST = 3  # As `setuptools.command.install`, whose names are classes.
+_COMMANDS = ["build", "build_ext", "build_py", "develop", "egg_info", "install", "sdist", "test"]
+_MODULES = (
+    *("setuptools", "setuptools.command", "distutils", "distutils.core"),
+    *(f"setuptools.command.{name}" for name in _COMMANDS),
+)
 
 
 class PackageSetup(NamedTuple):
@@ -53,17 +57,13 @@ def run(file: str) -> dict[str, Any]:
     os.chdir(Path(file).parent)
     sys.argv = [file, "install"]
     sys.path.insert(0, str(Path(file).parent))
-    contents: ModuleContents = {
-        "setup": lambda **arguments: calls.append(arguments),
-        "find_packages": lambda *_, **__: [],
-        "find_namespace_packages": lambda *_, **__: [],
-    }
-    with importable(
-        {"setuptools", "distutils"},
-        lambda module: contents if module.count(".") < _DEEPEST else None,
-        _any_class,
-    ):
-        runpy.run_path(file, run_name="__main__")
+    for name in _MODULES:
+        module = sys.modules[name] = _StandIn(name)
+        module.setup = lambda **arguments: calls.append(arguments)  # type: ignore[attr-defined]
+        parent, _, last = name.rpartition(".")
+        if parent:
+            setattr(sys.modules[parent], last, module)
+    runpy.run_path(file, run_name="__main__")
     if not calls:
         raise child_process.ChildError("it does not call setup()", file, 1)
     given = calls[-1]
@@ -80,9 +80,20 @@ def run(file: str) -> dict[str, Any]:
         raise child_process.ChildError(f"setup() is called wrongly: {error}", file, 1) from error
 
 
-def _any_class(_module: str, name: str) -> type:
-    """Return a class that takes any arguments, such as a command that a setup.py derives from."""
-    return type(name, (), {"__init__": lambda *_, **__: None, "user_options": []})
+class _StandIn(ModuleType):
+    """A module of which each name is a class, such as a command that a setup.py derives from.
+
+    A class takes any arguments; `find_packages(...)` gives an object that nobody looks at.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.__path__: list[str] = []
+
+    def __getattr__(self, name: str) -> type:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return type(name, (), {"__init__": lambda *_, **__: None, "user_options": []})
 
 
 def _script(line: str) -> tuple[str, tuple[str, str]]:

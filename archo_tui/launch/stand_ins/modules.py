@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
-from contextlib import AbstractContextManager
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-from archo_tui.launch.import_stand_ins import ModuleContents, importable
 from archo_tui.launch.stand_ins import (
     actions,
     conditions,
@@ -36,7 +39,7 @@ def _classes(module: ModuleType) -> dict[str, Any]:
     }
 
 
-_CONTENTS: dict[str, ModuleContents] = {
+_CONTENTS: dict[str, Mapping[str, Any]] = {
     "launch": _names(
         core,
         *("Action", "Condition", "LaunchContext", "LaunchDescription", "LaunchDescriptionEntity"),
@@ -65,24 +68,63 @@ _CONTENTS: dict[str, ModuleContents] = {
 _FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *ABSENT]} | {"ament_index_python"}
 
 
-def importable_stand_ins() -> AbstractContextManager[None]:
+class _Finder:
+    """The import finder and loader of the stand-ins."""
+
+    def __init__(self) -> None:
+        found = packages.index.contents()
+        self._contents = _CONTENTS | {
+            "ament_index_python": found,
+            "ament_index_python.packages": found,
+            "ament_index_python.resources": _names(packages.index, "has_resource"),
+        }
+
+    def _is_known(self, name: str) -> bool:
+        return _home(name) in self._contents or _home(name) in ABSENT
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> ModuleSpec | None:
+        loader: Any = self
+        return ModuleSpec(name, loader, is_package=True) if self._is_known(name) else None
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Return None, so that Python makes an ordinary module."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        home = _home(module.__name__)
+        found = self._contents.get(home, {})
+
+        def __getattr__(name: str) -> Any:  # PEP 562: what is not supported, or a module.
+            if name.startswith("_"):
+                raise AttributeError(name)
+            if name.islower() and self._is_known(f"{module.__name__}.{name}"):
+                return importlib.import_module(f"{module.__name__}.{name}")
+            absent = absent_class(home, name)
+            if absent is None:
+                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+            setattr(module, name, absent)
+            return absent
+
+        everything = [*found, *(ABSENT.get(home, {}).keys() - {"*"})]  # For `import *`.
+        module.__dict__.update(found, __all__=everything, __getattr__=__getattr__)
+
+
+@contextmanager
+def importable_stand_ins() -> Iterator[None]:
     """Let imports inside this context find the stand-ins instead of installed packages."""
-    found = packages.index.contents()
-    contents = _CONTENTS | {
-        "ament_index_python": found,
-        "ament_index_python.packages": found,
-        "ament_index_python.resources": _names(packages.index, "has_resource"),
-    }
 
-    def contents_of(name: str) -> ModuleContents | None:
-        """Return the names of a module, with those that are not supported for `import *`."""
-        home = _home(name)
-        if home not in contents and home not in ABSENT:
-            return None
-        absent = ABSENT.get(home, {}).keys() - {"*"}
-        return {**contents.get(home, {}), "__all__": [*contents.get(home, ()), *absent]}
+    def ours() -> list[str]:
+        return [name for name in sys.modules if name.partition(".")[0] in _FAMILIES]
 
-    return importable(_FAMILIES, contents_of, lambda name, what: absent_class(_home(name), what))
+    hidden = {name: sys.modules.pop(name) for name in ours()}
+    finder: Any = _Finder()
+    sys.meta_path.insert(0, finder)
+    try:
+        yield
+    finally:
+        sys.meta_path.remove(finder)
+        for name in ours():
+            del sys.modules[name]
+        sys.modules.update(hidden)
 
 
 def _home(name: str) -> str:
