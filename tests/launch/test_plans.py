@@ -183,6 +183,20 @@ def generate_launch_description():
     ])
 """
 
+ONE_BY_ONE = """
+from launch import LaunchDescription
+from launch.substitutions import TextSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import Parameter
+
+def generate_launch_description():
+    rate = Parameter('rate', TextSubstitution(text='10'), value_type=float)
+    name = Parameter('name', '5')
+    return LaunchDescription([
+        Node(package='my_robot', executable='talker', parameters=[rate, name]),
+    ])
+"""
+
 CASES = {
     "two nodes": (
         NAMED,
@@ -239,6 +253,11 @@ CASES = {
             f"--params-file PREFIX/parameters/{number}_0.yaml"
             for number, name in enumerate(["alpha", "beta"])
         ],
+    ),
+    "parameters one by one": (
+        ONE_BY_ONE,
+        [],
+        ["my_robot talker --ros-args -p rate:=10.0 -p name:='5'"],
     ),
     "values": (
         VALUES,

@@ -6,7 +6,7 @@ import contextlib
 import heapq
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from archo_tui.launch.stand_ins.core import (
@@ -89,11 +89,11 @@ class UnsetLaunchConfiguration(Action):
 class ResetLaunchConfigurations(Action):
     """The action that replaces all launch configurations by those given, by default by none."""
 
-    launch_configurations: Mapping[Any, Any] = field(default_factory=dict)
+    launch_configurations: Mapping[Any, Any] | None = None
 
     def execute(self, context: LaunchContext) -> None:
-        given = self.launch_configurations.items()
-        kept = {perform(context, name): perform(context, value) for name, value in given}
+        given = self.launch_configurations or {}
+        kept = {perform(context, name): perform(context, value) for name, value in given.items()}
         context.launch_configurations.clear()
         context.launch_configurations.update(kept)
 

@@ -16,6 +16,7 @@ from archo_tui.launch.stand_ins.core import (
     SubstitutionFailure,
     Text,
     is_substitution,
+    normalize_to_list_of_substitutions,
     perform,
 )
 
@@ -105,14 +106,12 @@ class ParameterValue(Made):
             raise SubstitutionFailure(error, self.place) from None
 
 
-@dataclass(eq=False)
 class Parameter(ParameterValue):
     """A parameter by its name and value, and the type that its text is to become."""
 
-    name: Text
-    value: Any
-    _: KW_ONLY
-    value_type: Any = None
+    def __init__(self, name: Text, value: Any, *, value_type: Any = None) -> None:
+        super().__init__(value, value_type=value_type)
+        self.name = normalize_to_list_of_substitutions(name)
 
 
 @dataclass(eq=False)
