@@ -192,7 +192,9 @@ class Node(NodeParameters, Destroyable):
             raise RCLError(f"failed to resolve name: {problem}")
         return full
 
-    resolve_service_name = resolve_topic_name
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return a service's name on the graph: expanded, and remapped unless `only_expand`."""
+        return self.resolve_topic_name(service, only_expand=only_expand)
 
     def _resolved(self, name: str, only_expand: bool = False) -> str:
         """Return a name expanded, and remapped unless `only_expand` is True."""
