@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rcl_interfaces import srv
 from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
 from rclpy.parameter import Parameter
+from rclpy.parameter_service import SERVICES
 from rclpy.qos import QoSProfile, qos_profile_services_default
 from rclpy.task import Future
 
@@ -35,33 +35,24 @@ class AsyncParameterClient:
     ) -> None:
         self.remote_node_name = remote_node_name
         self.node = node
-
-        def client(srv_type: Any, name: str) -> Any:
-            return node.create_client(
+        self._clients: dict[str, Any] = {
+            name: node.create_client(
                 srv_type,
                 f"{remote_node_name}/{name}",
                 qos_profile=qos_profile,
                 callback_group=callback_group,
             )
-
-        self._get = client(srv.GetParameters, "get_parameters")
-        self._list = client(srv.ListParameters, "list_parameters")
-        self._set = client(srv.SetParameters, "set_parameters")
-        self._types = client(srv.GetParameterTypes, "get_parameter_types")
-        self._describe = client(srv.DescribeParameters, "describe_parameters")
-        self._atomically = client(srv.SetParametersAtomically, "set_parameters_atomically")
-        self._clients = [
-            self._get, self._list, self._set, self._types, self._describe, self._atomically
-        ]  # fmt: skip
+            for name, srv_type in SERVICES.items()
+        }
 
     def services_are_ready(self) -> bool:
         """Return True if the remote node offers all six parameter services."""
-        return all(client.service_is_ready() for client in self._clients)
+        return all(client.service_is_ready() for client in self._clients.values())
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
         """Block until the remote node offers all six services; return False if not in time."""
         deadline = _time_source.patience_ns(timeout_sec)
-        for client in self._clients:
+        for client in self._clients.values():
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if not client.wait_for_service(None if left_ns is None else max(left_ns, 0) / 1e9):
                 return False
@@ -74,29 +65,28 @@ class AsyncParameterClient:
         callback: DoneCallback = None,
     ) -> Future[Any]:
         """Request the names of parameters."""
-        request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
-        return self._call(self._list, request, callback)
+        return self._call("list_parameters", callback, prefixes=prefixes or [], depth=depth or 0)
 
     def get_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Request values; the response has them in the order of the names.
 
         If one is not declared, or has no value though its type is static, the response is empty.
         """
-        return self._call(self._get, srv.GetParameters.Request(names=names), callback)
+        return self._call("get_parameters", callback, names=names)
 
     def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Request types; the response has them in the order of the names.
 
         If one is not declared, the response is empty.
         """
-        return self._call(self._types, srv.GetParameterTypes.Request(names=names), callback)
+        return self._call("get_parameter_types", callback, names=names)
 
     def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Request descriptors; the response has them in the order of the names.
 
         If one is not declared, the response is empty.
         """
-        return self._call(self._describe, srv.DescribeParameters.Request(names=names), callback)
+        return self._call("describe_parameters", callback, names=names)
 
     def set_parameters(
         self, parameters: Sequence[Any], callback: DoneCallback = None
@@ -105,8 +95,7 @@ class AsyncParameterClient:
 
         `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
         """
-        request = srv.SetParameters.Request(parameters=_messages(parameters))
-        return self._call(self._set, request, callback)
+        return self._call("set_parameters", callback, parameters=_messages(parameters))
 
     def set_parameters_atomically(
         self, parameters: Sequence[Any], callback: DoneCallback = None
@@ -115,8 +104,7 @@ class AsyncParameterClient:
 
         `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
         """
-        request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
-        return self._call(self._atomically, request, callback)
+        return self._call("set_parameters_atomically", callback, parameters=_messages(parameters))
 
     def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
         """Request to undeclare parameters one by one; the response has a result for each.
@@ -125,8 +113,8 @@ class AsyncParameterClient:
         """
         return self.set_parameters([Parameter(name) for name in names], callback)
 
-    def _call(self, client: Any, request: Any, callback: DoneCallback) -> Future[Any]:
-        future: Future[Any] = client.call_async(request)
+    def _call(self, name: str, callback: DoneCallback, **fields: Any) -> Future[Any]:
+        future: Future[Any] = self._clients[name].call_async(SERVICES[name].Request(**fields))
         if callback is not None:
             future.add_done_callback(callback)
         return future

@@ -14,6 +14,16 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
+SERVICES: dict[str, Any] = {  # In a node's namespace, by name.
+    "describe_parameters": srv.DescribeParameters,
+    "get_parameters": srv.GetParameters,
+    "get_parameter_types": srv.GetParameterTypes,
+    "list_parameters": srv.ListParameters,
+    "set_parameters": srv.SetParameters,
+    "set_parameters_atomically": srv.SetParametersAtomically,
+}
+
+
 class ParameterService:
     """The six parameter services of one node, which a new object offers.
 
@@ -22,26 +32,20 @@ class ParameterService:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        for srv_type, name, callback in (
-            (srv.DescribeParameters, "describe_parameters", self._describe),
-            (srv.GetParameters, "get_parameters", self._get),
-            (srv.GetParameterTypes, "get_parameter_types", self._get_types),
-            (srv.ListParameters, "list_parameters", self._list),
-            (srv.SetParameters, "set_parameters", self._set),
-            (srv.SetParametersAtomically, "set_parameters_atomically", self._set_atomically),
-        ):
+        for name, srv_type in SERVICES.items():
+            callback = getattr(self, f"_{name}")
             node.create_service(
                 srv_type, f"{node.get_name()}/{name}", callback, qos_profile=qos_profile_parameters
             )
 
-    def _describe(self, request: Any, response: Any) -> Any:
+    def _describe_parameters(self, request: Any, response: Any) -> Any:
         try:
             response.descriptors = self._node.describe_parameters(request.names)
         except ParameterNotDeclaredException:
             response.descriptors = []
         return response
 
-    def _get(self, request: Any, response: Any) -> Any:
+    def _get_parameters(self, request: Any, response: Any) -> Any:
         try:
             parameters = self._node.get_parameters(request.names)
         except (ParameterNotDeclaredException, ParameterUninitializedException):
@@ -49,22 +53,22 @@ class ParameterService:
         response.values = [parameter.get_parameter_value() for parameter in parameters]
         return response
 
-    def _get_types(self, request: Any, response: Any) -> Any:
+    def _get_parameter_types(self, request: Any, response: Any) -> Any:
         try:
             response.types = self._node.get_parameter_types(request.names)
         except ParameterNotDeclaredException:
             response.types = []
         return response
 
-    def _list(self, request: Any, response: Any) -> Any:
+    def _list_parameters(self, request: Any, response: Any) -> Any:
         response.result = self._node.list_parameters(request.prefixes, request.depth)
         return response
 
-    def _set(self, request: Any, response: Any) -> Any:
+    def _set_parameters(self, request: Any, response: Any) -> Any:
         response.results = [self._try_to_set([message]) for message in request.parameters]
         return response
 
-    def _set_atomically(self, request: Any, response: Any) -> Any:
+    def _set_parameters_atomically(self, request: Any, response: Any) -> Any:
         response.result = self._try_to_set(request.parameters)
         return response
 
