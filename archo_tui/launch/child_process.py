@@ -47,6 +47,22 @@ def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
     started, is killed after `seconds` and two more. Blocks: not for the UI thread. Raises
     ChildError.
     """
+    given = json.dumps({"seconds": seconds, "request": request}).encode()
+    answer, printed, exit_code = _run(module, given, seconds + _GRACE)
+    try:
+        answered = json.loads(answer)
+    except ValueError:  # It ended within its answer, or before.
+        how = f"it ended Python, exit code {exit_code}"
+        if exit_code < 0:
+            how = f"it does not return within {seconds:g} s"
+        raise ChildError(how, report=printed) from None
+    if "error" in answered:
+        raise ChildError(**answered["error"])
+    return answered["value"], printed
+
+
+def _run(module: str, given: bytes, seconds: float) -> tuple[bytes, str, int]:
+    """Run a module's `main()`, and return its answer, what it has printed, and its exit code."""
     # The path of this process, so that no file of the current folder is taken for a module.
     code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
     pipe = subprocess.PIPE
@@ -70,26 +86,15 @@ def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
         reader.start()
     try:
         with contextlib.suppress(OSError):  # It has ended already.
-            process.stdin.write(json.dumps({"seconds": seconds, "request": request}).encode())
+            process.stdin.write(given)
             process.stdin.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(seconds + _GRACE)
+            process.wait(seconds)
     finally:  # Also when the person presses Ctrl+C.
         _kill_group(process)
     for reader in readers:
         reader.join(_GRACE)
-    text = bytes(printed).decode(errors="replace")
-    try:
-        answered = json.loads(bytes(answer))
-    except ValueError:  # It ended within its answer, or before.
-        code_of_end = process.wait()
-        how = f"it ended Python, exit code {code_of_end}"
-        if code_of_end < 0:
-            how = f"it does not return within {seconds:g} s"
-        raise ChildError(how, report=text) from None
-    if "error" in answered:
-        raise ChildError(**answered["error"])
-    return answered["value"], text
+    return bytes(answer), bytes(printed).decode(errors="replace"), process.wait()
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:

@@ -232,28 +232,20 @@ class ActionServer:
         self._kept: dict[bytes, ServerGoalHandle] = {}
         self._ended: deque[ServerGoalHandle] = deque()  # The first to expire comes first.
         self._logger = node.get_logger().get_child("action_server")
-        impl = action_type.Impl
-        goal_qos, cancel_qos = goal_service_qos_profile, cancel_service_qos_profile
-
-        def serve(
-            kind: Any, srv_type: Any, name: str, callback: Any, qos: QoSProfile
-        ) -> Service[Any, Any]:
-            full = f"{action_name}/_action/{name}"
-            service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
-            service._rank, service._is_part_of_action = 0, True
-            return service
-
-        self._services = [
-            serve(DeferredService, impl.SendGoalService, "send_goal", self._on_goal, goal_qos),
-            serve(Service, impl.CancelGoalService, "cancel_goal", self._on_cancel, cancel_qos),
-            serve(
-                DeferredService,
-                impl.GetResultService,
-                "get_result",
-                self._on_result,
-                result_service_qos_profile,
-            ),
+        impl, goal_qos = action_type.Impl, goal_service_qos_profile
+        cancel_qos, result_qos = cancel_service_qos_profile, result_service_qos_profile
+        self._goal_service, self._cancel_service, self._result_service = self._services = [
+            node._add_service(
+                kind, srv_type, f"{action_name}/_action/{name}", callback, callback_group, qos
+            )
+            for kind, srv_type, name, callback, qos in (
+                (DeferredService, impl.SendGoalService, "send_goal", self._on_goal, goal_qos),
+                (Service, impl.CancelGoalService, "cancel_goal", self._on_cancel, cancel_qos),
+                (DeferredService, impl.GetResultService, "get_result", self._on_result, result_qos),
+            )
         ]
+        for service in self._services:
+            service._rank, service._is_part_of_action = 0, True
         self._feedback = node.create_publisher(
             impl.FeedbackMessage, f"{action_name}/_action/feedback", feedback_pub_qos_profile
         )
@@ -317,13 +309,13 @@ class ActionServer:
                 )
         response.accepted = answer == GoalResponse.ACCEPT
         if not response.accepted:
-            self._services[0].send_response(response, header)
+            self._goal_service.send_response(response, header)
             return
         response.stamp = self._node.get_clock().now().to_msg()
         info = GoalInfo(goal_id=request.goal_id, stamp=response.stamp)
         goal = ServerGoalHandle(self, info, request.goal)
         self._goal_handles[goal_id] = goal
-        self._services[0].send_response(response, header)
+        self._goal_service.send_response(response, header)
         self._publish_status(goal)
         await await_or_execute(self._handle_accepted_callback, goal)
 
@@ -394,7 +386,7 @@ class ActionServer:
 
     def _on_result(self, request: Any, header: RequestHeader) -> None:
         goal = self._goal_handles.get(bytes(request.goal_id.uuid))
-        service = self._services[2]
+        service = self._result_service
         if goal is None:
             unknown = self._action_type.Impl.GetResultService.Response()
             service.send_response(unknown, header)
