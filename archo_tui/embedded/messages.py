@@ -38,7 +38,10 @@ class Message:
     def __init__(self, **values: Any) -> None:
         values.pop("check_fields", None)
         for name, slot, check, default in self.__inits__:
-            setattr(self, slot, check(values.pop(name) if name in values else default()))
+            given = values.pop(name) if name in values else default()
+            if hasattr(given, "__next__"):  # As `map` gives: rosidl's constructors take it.
+                given = list(given)
+            setattr(self, slot, check(given))
         if values:
             raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(values)}")
 

@@ -99,6 +99,7 @@ def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() ->
 def test_numbers_are_converted_when_an_array_is_made() -> None:
     message = Float32MultiArray(data=[1, 2])
     assert message.data.tolist() == [1.0, 2.0]
+    assert Float32MultiArray(data=map(float, "12")) == message
     with pytest.raises(AssertionError, match="each value of type 'float'"):
         message.data = ["x"]
     with pytest.raises((AssertionError, TypeError)):
