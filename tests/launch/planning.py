@@ -27,7 +27,7 @@ from launch.event_handlers import OnProcessExit
 from launch.launch_description_sources import *
 from launch.substitutions import *
 from launch_ros.actions import *
-from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
+from launch_ros.parameter_descriptions import *
 from launch_ros.substitutions import FindPackageShare
 
 def described(*actions):
