@@ -20,13 +20,13 @@ def accept(_: Any) -> CancelResponse:
 
 
 class Rover(Node):
-    """`heard` holds the targets of its goals."""
+    """`heard` holds the targets of its goals; while it `is_held`, it comes no nearer to one."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("rover", **options)
         self.heard: list[Any] = []
         self.celsius, self.docked, self.speed = 31.5, False, 0.3
-        self.is_full, self.turning = False, 0.0
+        self.is_full, self.turning, self.is_held = False, 0.0, False
         self._left = 0.0
         self._goal: Any = None
         self._end: Any = None
@@ -49,7 +49,7 @@ class Rover(Node):
         self._odometry.publish(odometry)
         if self._goal is not None:
             self._goal.publish_feedback(GoTo.Feedback(distance_remaining=self._left))
-            self._left -= 0.5
+            self._left -= 0.0 if self.is_held else 0.5
             if self._left < 0 or self._goal.is_cancel_requested:
                 self._end.set_result(self._left < 0)
 

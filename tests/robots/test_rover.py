@@ -58,10 +58,12 @@ async def test_its_readings_are_shown_in_the_consoles_units_as_they_change() -> 
 
 async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
     async with rover() as (op, node):
+        node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
         await op.until("MOVING to x 1.5, y -2.0, yaw 90.0")
         await op.until("▶ MOVING")
         await op.until("m left of 5.0 m")
+        node.is_held = False
         await op.until("✓ ARRIVED")
         target = node.heard[0]
         assert (target.frame_id, target.pose.position.x, target.pose.position.y) == ("map", 1.5, -2)
@@ -70,7 +72,8 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
 
 
 async def test_a_draft_of_several_fields_is_there_again_behind_what_was_recalled() -> None:
-    async with rover() as (op, _):
+    async with rover() as (op, node):
+        node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
         await op.until("MOVING to x 1.5")
         await op.press(*"3", "enter", *"4")
@@ -84,7 +87,7 @@ async def test_a_draft_of_several_fields_is_there_again_behind_what_was_recalled
 
 async def test_it_is_moving_backwards_too() -> None:
     async with rover() as (op, node):
-        node.speed = -0.3
+        node.speed, node.is_held = -0.3, True
         await op.press("g", "1", "enter", "2", "enter", "0", "enter")
         await op.until("-0.30 m/s")
         await op.until("▶ MOVING")
@@ -94,12 +97,17 @@ async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None
     async with rover() as (op, node):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
         await op.until("yaw: at most 360, not 400")
+        node.is_held = True
         await op.press("backspace", "enter")  # the field has the focus
         await op.until("MOVING to x 1.0, y 2.0, yaw 40.0")
+        node.is_held = False
         await op.until("✓ ARRIVED")
+        node.is_held = True
         op.send("g", *"123456789.5", "enter", "2", "enter", *"90", "enter")
         await op.until("MOVING to x 123456789.5, y 2.0, yaw 90.0")
+        node.is_held = False
         await op.until("✓ ARRIVED")
+        node.is_held = True
         op.send(*"1", "enter", *"-2.25", "enter", "7", "enter", *"99", "enter")
         await op.until("MOVING to x 1.0, y -2.25, yaw 7.0")
         assert op.app.main.goal.fields[0].value == "99"
@@ -132,14 +140,16 @@ async def test_a_way_whose_length_the_file_says_has_its_bar(tmp_path: Path) -> N
     file = tmp_path / "rover.yaml"
     remaining = "remaining: {field: distance_remaining, unit: m"
     file.write_text(FILE.read_text().replace(remaining, f"{remaining}, length: 20"))
-    async with rover(file) as (op, _):
+    async with rover(file) as (op, node):
+        node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
         await op.until("m left of 20.0 m")
 
 
 async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
-    async with rover() as (op, _):
+    async with rover() as (op, node):
         assert "no STOP" in op.line(" Rover ")
+        node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
         await op.until("m left of")
         await op.press("ctrl+x")
