@@ -52,7 +52,7 @@ class _Sent(NamedTuple):
 class ArchoApp(KeyedApp):
     """The operator's console: the main screen, its dialogs, and the commands that keys run."""
 
-    CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
+    CSS_PATH = "screens/style.tcss"
 
     def __init__(
         self,

@@ -41,7 +41,7 @@ from archo_tui.widgets.search import Search
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
 _NARROW = 80  # Cells below which panels lie one below the other.
-_LARGE_WIDTH, _LARGE_HEIGHT = 110, 41  # Cells of the panels from which on the history is below.
+_NORMAL, _HIGH = 110, 44  # Cells from which on the history is below.
 _CLOCK = 9  # Cells of the time of day.
 _AROUND = 3  # Rows of header, banner and footer.
 _TIME_LINE = 2  # Rows of the time line of a replay.
@@ -70,8 +70,10 @@ class MainScreen(Base[None]):
     shows why in its title, and the others go on.
     """
 
-    HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [
+        *[(0, "-tiny"), (_NARROW, "-narrow"), (_NORMAL, "-normal"), (_WIDE, "-wide")]
+    ]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall"), (_HIGH, "-high")]
 
     class Broken(Message):
         """The message that a panel cannot be drawn, and why; posted when the reason is new."""
@@ -153,17 +155,12 @@ class MainScreen(Base[None]):
         yield self._notice_line
 
     def on_mount(self) -> None:
-        self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
         self.set_timer(_NODES_TIMEOUT, self._fill)
         # Behind a dialog, the screen may get no Resize event.
         self.set_timer(_LAYOUT_TIMEOUT, self._draw_from_now_on)
         self._focused_last = self._time_line or self._first_field or self.parameters.focus_target
         # No person has moved the focus there, so a list shows no cursor yet.
         self.set_focus(self._focused_last, scroll_visible=False)
-
-    def on_unmount(self) -> None:
-        # Textual keeps what it calls for a screen, and by that the screen.
-        self.app.theme_changed_signal.unsubscribe(self)
 
     @property
     def _first_field(self) -> Widget | None:
@@ -174,7 +171,6 @@ class MainScreen(Base[None]):
         return self.goal.first_field
 
     def watch_focused(self) -> None:
-        self._mark_focused()
         focused = self.focused
         if focused is not None and focused is not self._focused_last:
             # When the terminal gets the focus back, the same widget is focused again.
@@ -182,12 +178,6 @@ class MainScreen(Base[None]):
             if isinstance(focused, Rows):  # A tab or a click has moved the focus there.
                 focused.show_cursor()
         self._on_field_changed()
-
-    def _mark_focused(self) -> None:
-        """Show which panel has the focus; with `:focus-within` Textual would visit every widget."""
-        focused = self.focused_panel
-        for panel in self._panels.values():
-            panel.mark_focused(panel.number == focused)
 
     @property
     def focus_chain(self) -> list[Widget]:
@@ -245,12 +235,15 @@ class MainScreen(Base[None]):
 
     def toggle_full(self, panel: Panel) -> None:
         """Let a panel fill the screen and focus it, or show all panels again if it does already."""
-        if self.has_class(f"-full-{panel.number}"):
+        if panel.has_class("-fills"):
             self.leave_full()
             return
         self._focused_before = self.focused
         self._show_all()
-        self.add_class("-full", f"-full-{panel.number}")
+        self.add_class("-full")
+        for node in (panel, panel.parent):
+            if isinstance(node, Widget):
+                node.add_class("-fills")
         self._fit()
         panel.take_focus()
 
@@ -262,7 +255,8 @@ class MainScreen(Base[None]):
             self.focus_back()
 
     def _show_all(self) -> None:
-        self.remove_class("-full", *(f"-full-{number}" for number in self._panels))
+        self.remove_class("-full")
+        self.query(".-fills").remove_class("-fills")
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
@@ -275,7 +269,7 @@ class MainScreen(Base[None]):
 
     @property
     def _is_large(self) -> bool:
-        return self.size.width >= _LARGE_WIDTH and self._height >= _LARGE_HEIGHT
+        return self.size.width >= _NORMAL and self.size.height >= _HIGH
 
     @property
     def _height(self) -> int:
@@ -284,7 +278,6 @@ class MainScreen(Base[None]):
 
     def _fit(self) -> None:
         """Set the heights of the panels by the length of their lists; Events have what is left."""
-        self.set_class(self._is_large, "-large")
         nodes, rows = None, ""  # On a tiny screen, or full of one panel, the style sheet does it.
         if self.size.width >= _NARROW and not self.is_full:
             listed = min(max(self.nodes.lines, 5), 12) + _BORDER
@@ -311,12 +304,12 @@ class MainScreen(Base[None]):
             most = height - max(_MIN_EVENTS, height // 3)
             return f"{max(goal + self._parameter_rows(most - goal), _MIN_HISTORY)} 1fr"
         few_events = _MIN_EVENTS if self.size.height >= _TALL else _FEW_EVENTS
-        if self.size.width >= _LARGE_WIDTH:
+        if self.size.width >= _NORMAL:
             left = sum(self._panels[number].outer_size.height for number in (1, 2)) + nodes
             most = height - few_events
             return f"{min(max(left, goal + self._parameter_rows(most - goal)), most)} 1fr"
         top = 7 if self._grid.has_class("-gauges") else 5
-        is_searched = self.has_class("-search-panel-6")  # The field has one of the rows.
+        is_searched = self.events.search.line.display  # The field has one of the rows.
         few = _FEW_PARAMETERS - 2 if is_searched else _FEW_PARAMETERS
         room = max(height - top - goal - few_events, few)
         return f"{top} {goal + self._parameter_rows(room)} 1fr"
@@ -331,14 +324,15 @@ class MainScreen(Base[None]):
 
         The widget that had the focus is remembered for `focus_back`.
         """
-        if not self.has_class(f"-full-{number}"):
+        panel = self._panels[number]
+        if not panel.has_class("-fills"):
             self._show_all()
-            if not self._has_room(self._panels[number]):
-                self.toggle_full(self._panels[number])
+            if not self._has_room(panel):
+                self.toggle_full(panel)
                 return
         self._focused_before = self.focused
         self._is_panel_chosen = True
-        self._panels[number].take_focus()
+        panel.take_focus()
         self.call_after_refresh(self._show_focused)
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:

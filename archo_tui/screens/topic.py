@@ -45,8 +45,6 @@ from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
-_LOW = 20  # Rows of the terminal below which the line of titles has no room.
-_LOWEST = 14  # Rows below which the ends have none.
 _WIDE = 160  # Columns from which the Graph stays in sight beside it.
 _LEAST_BESIDE = 80  # Columns that it takes at least then.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
@@ -85,6 +83,9 @@ class TopicDialog(Dialog[None]):
     The dialog covers the panels only, so that the robot's state and the banner stay in sight. The
     topic is subscribed to while the dialog is open.
     """
+
+    # Where the line of titles, and then the ends, have no room.
+    VERTICAL_BREAKPOINTS = [(0, "-lowest"), (14, "-low"), (20, "-high")]
 
     BINDINGS = [
         ("escape", "leave", "Leave the search, or close"),
@@ -153,8 +154,6 @@ class TopicDialog(Dialog[None]):
         await topic.follow(self._request, partial(self._receive, topic))
 
     def on_resize(self) -> None:
-        height = self.app.size.height
-        self._titles.display, self._ends.display = height >= _LOW, height >= _LOWEST
         self.call_after_refresh(self._show_again)
 
     def _cover_panels(self) -> None:

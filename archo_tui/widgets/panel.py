@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from textual.color import Color
 from textual.containers import Container
 from textual.content import Content
-from textual.geometry import Region
 from textual.markup import escape
 from textual.message import Message
-from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
-from archo_tui.widgets.line_widget import QuietFocus
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import click, key_content
 
-_BORDERS = ("border_top", "border_right", "border_bottom", "border_left")
 FULL_SCREEN = "full screen"  # The word of keys that enlarge a panel.
 
 
-class Panel(Container, QuietFocus):
+class Panel(Container):
     """The base of the numbered panels; the screen calls `show` with every new state."""
 
     number = 0  # 1 to 9, which is also the key that leads to it.
@@ -44,12 +39,11 @@ class Panel(Container, QuietFocus):
             self.panel = panel
 
     def __init__(self) -> None:
-        super().__init__(id=f"panel-{self.number}", classes="panel")
+        super().__init__()
         self.border_title = f"{self.number} {self.title_text}"
         self._title, self._keys_below = Content(self.border_title), Content("")
         self._narrowed, self._title_more = "", ""  # After the title: plain text, then markup.
         self._keys_inputs: object = None  # What the keys were last written for.
-        self._focus_colour = ""  # The border's colour while focused.
 
     def on_resize(self) -> None:
         self.post_message(self.Outdated(self))
@@ -118,40 +112,6 @@ class Panel(Container, QuietFocus):
         for service, button in buttons:
             blocked = view.watching or bool(snapshot.unavailable(service))
             button.set_class(blocked, "-blocked")
-
-    def mark_focused(self, has_focus: bool) -> None:
-        """Show by the colour of the border that the panel, or a widget in it, has the focus."""
-        colour = self.app.theme_variables["primary"] if has_focus else ""
-        if colour != self._focus_colour:
-            self._focus_colour = colour
-            edge = ("heavy", Color.parse(colour)) if colour else None
-            for name in _BORDERS:  # Setting `border` would redraw the content.
-                self.styles.inline.set_rule(name, edge)
-            self._refresh_border()
-
-    def _refresh_border(self) -> None:
-        """Redraw the border, and nothing inside of it."""
-        (width, height), (left, top) = self.outer_size, self.content_offset
-        across, down = Region(0, 0, width, 1), Region(0, 0, 1, height)
-        edges = across, across.translate((0, height - 1)), down, down.translate((width - 1, 0))
-        self.refresh(*(edge.translate((-left, -top)) for edge in edges))
-
-    def render_lines(self, crop: Region) -> list[Strip]:
-        """Render as Textual does, but the equal blank lines between the borders only once."""
-        first, last = max(crop.y, 1), min(crop.bottom, self.outer_size.height - 1)
-        if last - first < 2:
-            return super().render_lines(crop)
-        left, width = crop.x, crop.width
-        above = super().render_lines(Region(left, crop.y, width, first + 1 - crop.y))
-        below = Region(left, last, width, crop.bottom - last)
-        return [
-            *above,
-            *[above[-1]] * (last - first - 1),
-            *(super().render_lines(below) if below else ()),
-        ]
-
-    def watch_has_focus(self, focused: bool) -> None:
-        """Do nothing: `mark_focused` shows the focus, and no style is for `:focus`."""
 
     @property
     def focus_target(self) -> Widget:

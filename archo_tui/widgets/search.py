@@ -78,9 +78,6 @@ class Search(Field):
 
     def _show(self, is_open: bool) -> None:
         self.line.display = is_open
-        for panel in self.line.ancestors:
-            if panel.has_class("panel"):  # CSS makes a low panel higher while its search is open.
-                self.screen.set_class(is_open, f"-search-{panel.id}")
 
     def matches(self, *texts: str) -> bool:
         """Return True if nothing is typed, or one of the texts contains it, in any case."""

@@ -32,10 +32,6 @@ class TimeLine(Panel, can_focus=True):
         yield self._line
         yield self._status
 
-    def mark_focused(self, has_focus: bool) -> None:
-        """Show the focus by the colour of the lines, since there is no border."""
-        self.set_class(has_focus, "-focused")
-
     def show(self, view: ScreenState) -> None:
         player, width = self._player, self.size.width
         here, marks = view.now, player.marks

@@ -32,6 +32,7 @@ from archo_tui.screens.dismissable import Dismissable
 from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows
 from tests.support.clock import NOW
 from tests.support.console import key_event
@@ -165,7 +166,7 @@ class Desk:
             s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.is_dismissed)
         ]
         found: list[object] = [self.robot.asked[:], app.theme]
-        found += [sorted(name for name in app.main.classes if name.startswith("-full"))]
+        found += [[panel.number for panel in app.main.query(Panel) if panel.has_class("-fills")]]
         for screen in standing:
             focused = screen.focused
             found.append((type(screen).__name__, None if focused is None else focused.id))

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
 from rich.segment import Segment
-from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
 from tests.support.console import FAST, console
-from tests.support.night import corners
 from tests.support.quiet import Quiet
 from tests.support.states import STATES
 from tests.support.stub import StandingClock, StubRobot, stub_app
@@ -48,29 +44,3 @@ async def test_what_can_be_clicked_is_lit_below_the_mouse() -> None:
         lit = cells(footer.render_lines(footer.size.region))
         assert lit[place][1] != before[place][1]
         assert lit == cells(Widget.render_lines(footer, footer.size.region))
-
-
-@pytest.mark.parametrize(
-    ("state", "size"),
-    corners(
-        [("motor stopped", (80, 24))],
-        [
-            (state, size)
-            for state in ("normal", "motor stopped")
-            for size in ((80, 24), (120, 36), (160, 48))
-        ],
-    ),
-)
-async def test_a_panel_looks_as_textual_draws_it(state: str, size: tuple[int, int]) -> None:
-    app = stub_app(STATES[state], StandingClock(), size=size)
-    async with app.run_test(size=size):
-        await Quiet(app).settle()
-        for panel in (panel for panel in app.screen.query(Panel) if panel.region):
-            whole = panel.outer_size.region
-            for top in range(whole.height):
-                for bottom in range(top + 1, whole.height + 1):
-                    part = Region(top % 3, top, whole.width - 4, bottom - top)
-                    drawn = cells(panel.render_lines(part))
-                    panel._styles_cache.clear()
-                    assert drawn == cells(Widget.render_lines(panel, part)), (panel.id, part)
-                    panel._styles_cache.clear()

@@ -105,7 +105,7 @@ async def test_nothing_stays_of_where_the_focus_was(
 
 async def test_the_panel_with_the_focus_can_be_told_and_what_in_it() -> None:
     def look(number: int) -> Cells:
-        region = app.screen.query_one(f"#panel-{number}").region
+        region = next(p.region for p in app.screen.query(Panel) if p.number == number)
         compositor: Any = app.screen._compositor
         lines = picture(compositor)[region.y : region.bottom]
         return [cell for line in lines for cell in line[region.x : region.right]]
