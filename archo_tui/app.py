@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,8 +14,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from archo_tui.commands import registry
-from archo_tui.commands.base import Answers, Command, Console, Work
-from archo_tui.commands.footer import blocked_commands, keys_of_footer
+from archo_tui.commands.base import Answers, Command, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.goals.queue import QueuedGoal
@@ -31,11 +29,9 @@ from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.terminal.stop_marks import now
 from archo_tui.user_code.output import NodeOutput
-from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS
 from archo_tui.verbs.verb import Values, Verb
 from archo_tui.widgets.notices import Notice, NoticeLine, Notices
-from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
     from archo_tui.recordings.replay.player import Player
@@ -60,21 +56,31 @@ class ArchoApp(KeyedApp):
         keys: Mapping[str, str] | None = None,  # By the command's id; None means the default ones.
         theme: str = "",  # "" means the one that suits the terminal.
         failed: str = "",  # The traceback that ended the screen before this one; it is shown.
+        player: Player | None = None,  # Of a station that is recorded: the screen acts on no robot.
     ) -> None:
-        super().__init__(station, keys or {}, theme)
+        super().__init__(station, theme)
         snapshot = station.robot.snapshot
         self.title = snapshot.file.name
-        self.typed: dict[str, dict[str, str]] = {}  # By form and path.
-        # Extended by goals and services that were used though it lacks them.
-        self.used = snapshot.file
-        self._failed_before = failed
+        self._player, self._failed_before = player, failed
         self._leaves = False
-        self.has_sent = True  # False once it is known that this user has never sent a goal.
         self._notices = Notices()
         self._notice: Notice | None = None  # The one that is shown.
         self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
-        self.view = self._view()  # Shown now.
-        self.main.goal.send = self._send_goals
+        commands: Callable[[Mapping[str, Verb]], Sequence[Command]]
+        if player is None:
+            commands = partial(registry, snapshot.file)
+            in_field = not station.robot.watching
+            main = MainScreen(snapshot, self.size, starts_in_field=in_field)
+        else:
+            from archo_tui.commands.replay import replay_commands
+            from archo_tui.widgets.time_line import TimeLine
+
+            commands = partial(replay_commands, player)
+            main = MainScreen(snapshot, self.size, TimeLine(player))
+        self.set_up(self, station, commands, keys or {}, main)
+        main.goal.send = self._send_goals
+        self.stop_key = self.keys["stop"]
+        self.bind_commands(self)
 
     def get_default_screen(self) -> Screen[None]:
         return self.main
@@ -86,6 +92,8 @@ class ArchoApp(KeyedApp):
         self.station.robot.subscribe(self._on_snapshot)
         start_worker(self, self._recall, "recall")
         start_worker(self, self._tick_for_ever, "tick")
+        if self._player is not None:
+            start_worker(self, partial(self._player.follow, self.update_screen), "play")
         if self._failed_before:
             from archo_tui.screens.text import ShowText
 
@@ -103,7 +111,7 @@ class ArchoApp(KeyedApp):
     def _on_snapshot(self, snapshot: Snapshot) -> None:
         self.station.on_snapshot(snapshot)
         try:
-            self._show()
+            self.show_view()
         except Exception as error:  # Called by the event loop, outside of Textual's error handling.
             self._handle_exception(error)
 
@@ -117,39 +125,19 @@ class ArchoApp(KeyedApp):
     def tick(self) -> None:
         """Tick the station and show the new view, also of a replay; called on each full second."""
         self.station.tick()
-        self._show()
+        self.show_view()
         if self.replay is not None:
             self.replay.update_screen()
 
-    def update_screen(self) -> None:
-        """Refresh station and screen now, without waiting for the robot's next message."""
-        self.station.refresh()
-        self._show()
-
-    def _show(self) -> None:
+    def show_view(self) -> None:
         goal = self.station.view.snapshot.goal
         if not self.has_sent and goal is not None and goal.mine:
             self.has_sent = True
             start_worker(self, partial(in_daemon, form_history.note_sent_goal), COMMANDS)
-        self.view = self._view()
-        # Before or after the life of the screen.
-        if not (self.is_running and self.main.is_mounted):
-            return
-        self.view = replace(self.view, blocked=blocked_commands(self))
-        self._show_notice()
-        self.main.show(self.view, keys_of_footer(self))
-        self.ring(self.view.alarms)
-        for screen in self.screen_stack:
-            if isinstance(screen, Dismissable) and screen.is_mounted:
-                screen.update_view(self.view)
-            if self.replay is not None and screen is self.replay.main:
-                break  # The dialogs over it show the replay.
-
-    def _view(self) -> ScreenState:
-        never = not self.has_sent
-        return ScreenState(
-            **vars(self.station.view), keys=self.shown_keys, has_never_sent_goal=never
-        )
+        super().show_view()
+        if self.is_shown:
+            self._show_notice()
+            self.ring(self.view.alarms)
 
     def notify(
         self,
@@ -187,16 +175,10 @@ class ArchoApp(KeyedApp):
                 main.show_notice(notice)
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id, or show why it cannot run; STOP also closes the questions.
-
-        It runs on the live console or, while a replay is shown, there; STOP always on the live one.
-        `counted` is True if the STOP was counted as its key was read. Nothing happens for an
-        unknown id.
-        """
         command = self._find_command(name)
         if command is None:  # Clicked as a replay began or ended.
             return
-        console: Console = self.replay if self.replay is not None and name != "stop" else self
+        desk = self if name == "stop" else self.front
         if name == "stop":
             if not counted:
                 self.stops.register()
@@ -210,13 +192,13 @@ class ArchoApp(KeyedApp):
         # A key that is pressed again runs again: something may have happened in between.
         if held and self.repeated and not (command.always_tried and self.stops.superseded):
             return
-        reason = console.disabled_reason(command)
+        reason = command.disabled_reason(desk)
         if reason:
             if not command.always_tried or reason == WATCHING:
                 self.notify(reason, severity="warning", markup=False)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return
-        work = command.run(console)  # At once: the next key may be meant for what this one focuses.
+        work = command.run(desk)  # At once: the next key may be meant for what this one focuses.
         if name == "stop" and self.replay is not None:
             self.notify("STOP goes to the live robot, not to the replay.", markup=False)
         if work is not None:
@@ -248,15 +230,9 @@ class ArchoApp(KeyedApp):
     def action_command_palette(self) -> None:
         self.action_command("palette")
 
-    # The methods of commands.base.Console.
-
-    def disabled_reason(self, command: Command) -> str:
-        """Return why a command cannot run now; "" if it can."""
-        return command.disabled_reason(self)
+    # What commands use.
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Return a coroutine that runs a verb, or show the verb's question and return None."""
-
         async def now() -> None:
             outcome = await verb.run(self.station, values)
             self.update_screen()
@@ -272,24 +248,20 @@ class ArchoApp(KeyedApp):
         return None
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
         closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over this console; keys act on it from now on, but for that of STOP."""
-        from archo_tui.commands.replay_console import ReplayConsole
+        from archo_tui.commands.replay import ReplayDesk
 
-        commands = registry(player.file, verbs(player.file, {}))
-        self.replay = ReplayConsole(self, player, commands, self.keys, self.size)
+        self.replay = ReplayDesk(self, player)
         self._live_bindings = dict(self._bindings.key_to_bindings)
-        self._bind_commands(self.replay.registry, self.replay.keys)
+        self.bind_commands(self.replay)
         self.show_dialog(self.replay.main)
         self.call_after_refresh(self.tick)
 
     def end_replay(self) -> None:
-        """Close the replay, if there is one, and the dialogs over it; show this console again."""
         if self.replay is None:
             return
         above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
@@ -300,7 +272,6 @@ class ArchoApp(KeyedApp):
 
     @contextmanager
     def opening(self) -> Iterator[None]:
-        """Let keys wait within the block, in which a dialog is being opened for them."""
         self._opening += 1
         try:
             yield
@@ -320,7 +291,6 @@ class ArchoApp(KeyedApp):
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question at once, or why it is not asked."""
         from archo_tui.screens.confirm import Confirm
 
         if isinstance(self.screen, Confirm):
@@ -342,30 +312,11 @@ class ArchoApp(KeyedApp):
         self.show_dialog(Confirm(title, question, (safe, *answers), answered))
 
     def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed; do nothing for one that succeeded."""
         if not outcome.ok:
             title = "Live robot" if self.replay is not None else ""
             self.notify(outcome.text, title=title, severity="error", markup=False)
 
-    def show_message(self, text: str, title: str = "") -> None:
-        """Show a message in the second row, as `notify` does; its text is taken as it is."""
-        self.notify(text, title=title, markup=False)
-
-    def copy(self, text: str) -> None:
-        """Put a text on the clipboard of the terminal."""
-        self.copy_to_clipboard(text)
-
-    @property
-    def screens(self) -> Sequence[Screen[Any]]:
-        """Return the main screen and the dialogs over it, the one in front last."""
-        return self.screen_stack
-
-    def write_screenshot(self) -> None:
-        """Save the screen as SVG in the user's folder of downloads, after the next drawing."""
-        self.call_after_refresh(self.deliver_screenshot)
-
     def copy_selection(self) -> bool:
-        """Copy the text selected in the focused field or on the screen; return False if none is."""
         focused = self.focused
         text = focused.selected_text if isinstance(focused, Input) else None
         text = text or self.screen.get_selected_text()
@@ -374,7 +325,6 @@ class ArchoApp(KeyedApp):
         return bool(text)
 
     def leave(self) -> None:
-        """Begin to end the app when every command has its answer, in 30 s at most."""
         if not self._leaves:
             self._leaves = True
             start_worker(self, self._exit_when_answered, "leave")
@@ -392,6 +342,9 @@ class ArchoApp(KeyedApp):
     # What the panels call.
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
+        if self._player is not None:  # A replay has no events for it.
+            self.notify(message.text, severity="error", markup=False)
+            return
         self.station.robot.note("ERROR", "console", message.text)
 
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
@@ -400,7 +353,7 @@ class ArchoApp(KeyedApp):
 
         def send() -> Callable[[], Work]:
             answer = go.run(self.station, values)
-            self._show()
+            self.show_view()
             return partial(self._show_refusal, answer)
 
         question = go.question(self.station, values)

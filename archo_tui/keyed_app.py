@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import math
 import string
-from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from textual import events
@@ -15,15 +14,11 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
 
-from archo_tui.commands import registry
-from archo_tui.commands.base import EVERYWHERE, Command
-from archo_tui.commands.keymap import readable_keys
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.commands.base import EVERYWHERE, Command, ConsoleApp, Desk
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
-from archo_tui.terminal.app import TerminalApp
 from archo_tui.terminal.stop_marks import (
     InputTime,
     input_of,
@@ -33,19 +28,17 @@ from archo_tui.terminal.stop_marks import (
     stops_before,
     typed_after,
 )
-from archo_tui.verbs import verbs
-from archo_tui.verbs.verb import Verb
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.notices import NoticeLine
 from archo_tui.widgets.rows import Rows
 
 if TYPE_CHECKING:
-    from archo_tui.commands.replay_console import ReplayConsole
+    from archo_tui.commands.replay import ReplayDesk
 
 HELD = 0.7  # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s.
 
 
-class KeyedApp(TerminalApp):
+class KeyedApp(ConsoleApp):
     """The base of the app, which passes keys and clicks to commands or to the focused widget.
 
     STOP acts at once. The others act one after the other, each when the one before is done.
@@ -55,18 +48,9 @@ class KeyedApp(TerminalApp):
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
     ]
 
-    def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
+    def __init__(self, station: Station, theme: str) -> None:
         super().__init__(station, theme)
-        snapshot = station.robot.snapshot
-        self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
-        self.registry = self.commands(snapshot)  # Of the live console.
-        self.main = self.main_screen(snapshot)  # Beneath all dialogs.
-        # By the command's id, as Textual names it.
-        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
-        self.replay: ReplayConsole | None = None  # Over the live console; keys are the replay's.
-        self.shown_keys = readable_keys(self.keys)  # As people read them.
-        self.stop_key = self.keys["stop"]
-        self._bind_commands(self.registry, self.keys)
+        self.replay: ReplayDesk | None = None  # Over the live console; keys are the replay's.
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
         self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
@@ -82,38 +66,28 @@ class KeyedApp(TerminalApp):
         self._shut_by = ""  # What closed it.
         self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
         self._swallows = False  # True if enter is held, and a message has explained that.
-        self.repeated = False  # True while the key that is being handled is held down.
         self._last_read = -math.inf  # The `event.time` of the last key or click.
         self._read = InputTime(-math.inf, math.inf)  # Of that, however late it is handled.
-        self.input: InputTime | None = None  # Of the one that is being handled.
 
     @property
     def was_operated(self) -> bool:
         """True once a key, a paste or a click was read."""
         return self._last_read > -math.inf
 
-    def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """Return the commands for the robot of a snapshot; a subclass may change them."""
-        return registry(snapshot.file, self.verbs)
-
-    def main_screen(self, snapshot: Snapshot) -> MainScreen:
-        """Return a new screen to lie beneath all dialogs; a subclass may return another one."""
-        return MainScreen(snapshot, self.size, starts_in_field=not self.station.robot.watching)
-
     @property
-    def front(self) -> KeyedApp | ReplayConsole:
+    def front(self) -> Desk:
         """Return what keys act on: the replay while one is shown, else this console."""
         return self.replay or self
 
-    def _bind_commands(self, commands: Iterable[Command], keys: Mapping[str, str]) -> None:
+    def bind_commands(self, desk: Desk) -> None:
         """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
         check_action gives letters back to a field. A key loses what else it was bound to, but not
         the other commands that share it. App.bind has no priority, and a keymap of Textual's drops
         commands that share a key.
         """
-        for command in commands:
-            key, action = keys[command.id], f"command('{command.id}')"
+        for command in desk.registry:
+            key, action = desk.keys[command.id], f"command('{command.id}')"
             if not key:
                 continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
@@ -125,10 +99,6 @@ class KeyedApp(TerminalApp):
                 key, action = f"alt+{key}", f"digit('{command.id}')"
                 own = [Binding(key, action, priority=True)]
                 self._bindings.key_to_bindings.setdefault(key, own)
-
-    def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id; `counted` if a STOP was counted as its key was read."""
-        raise NotImplementedError
 
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:

@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import jsonschema
@@ -19,7 +20,7 @@ from archo_tui.cli.options import SUBCOMMANDS, console_parser, split_ros_args
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.client import shell as verbs_from_shells
 from archo_tui.commands import keymap, registry
-from archo_tui.commands.keymap import readable_key
+from archo_tui.commands.base import readable_key
 from archo_tui.commands.replay import replay_commands
 from archo_tui.embedded import parameter_files
 from archo_tui.robot_file.load import default_path, load
@@ -236,8 +237,8 @@ def test_the_lines_of_the_page_are_commands_of_plain() -> None:
 
 @each_page
 def test_every_key_that_is_named_is_one(page: Path) -> None:
-    there: Any = None  # the player, which no key asks for
-    every = (*registry(ARCHO), *replay_commands(there, registry(ARCHO)))
+    there: Any = SimpleNamespace(file=ARCHO)  # of the player, no key asks for more
+    every = (*registry(ARCHO), *replay_commands(there, verbs(ARCHO, {})))
     known = {readable_key(command.key).replace("^", "ctrl+") for command in every}
     known |= {"tab", "esc", "i", "p", "P", "t"}  # i, p, P, t: in the dialog of a topic
     for row in read(page).rows:

@@ -39,11 +39,11 @@ def replay(options: Namespace) -> int:
         for line in report_lines(bag, robot):
             print(safe(line))
         return 0
+    from archo_tui.app import ArchoApp
     from archo_tui.commands import keymap, registry
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
     from archo_tui.recordings.replay.station import RecordedStation
-    from archo_tui.replay_app import ReplayApp
     from archo_tui.shutdown import heed_signals
     from archo_tui.terminal import themes
     from archo_tui.terminal.stderr import guarded_streams, log_file
@@ -52,8 +52,9 @@ def replay(options: Namespace) -> int:
     heed_signals()
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()
-    station = RecordedStation(make_player(bag, robot, clock), clock)
-    app = ReplayApp(station, keys, themes.remembered_theme())
+    player = make_player(bag, robot, clock)
+    station = RecordedStation(player, clock)
+    app = ArchoApp(station, keys, themes.remembered_theme(), player=player)
     with guarded_streams(log_file()):
         app.run()
     if app.failure:

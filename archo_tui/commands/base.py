@@ -1,26 +1,30 @@
-"""The base of commands, and the part of the app that they use."""
+"""The base of commands, and the desks that they act on."""
 
 from __future__ import annotations
 
 import os.path
 import re
-from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
+from textual.keys import format_key
 from textual.screen import Screen
-from textual.theme import Theme
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot_file.model import RobotFile
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
+from archo_tui.terminal.app import TerminalApp
 from archo_tui.terminal.stop_marks import InputTime
+from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Question, Values, Verb
+from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -40,118 +44,163 @@ _PANELS = {  # The panels with commands of their own.
 }
 
 
-class Console(Protocol):
-    """The app, as far as commands use it. Event loop only."""
+def readable_key(key: str) -> str:
+    """Return a key as a person reads it: `^x` for `ctrl+x`, `?`, `enter`; "" for none."""
+    return key if key in ("", "enter") else format_key(key).replace("ctrl+", "^")
 
+
+class Desk:
+    """A station on the screen: with its verbs, commands, keys and main screen, for commands to use.
+
+    The live one is the app; that of a recording lies over it. Event loop only.
+    """
+
+    live: ConsoleApp  # Whose dialogs, messages, theme and clipboard all desks use.
     station: Station
-    verbs: Mapping[str, Verb]
+    main: MainScreen  # Beneath the dialogs.
     view: ScreenState  # Shown now.
-    theme: str  # Setting it changes the colours.
-    typed: dict[str, dict[str, str]]  # The last texts, by form and by the path of the field.
-    used: RobotFile  # With the other goals and services that were used besides.
+    has_sent = True  # False once it is known that this user has never sent a goal.
 
-    @property
-    def main(self) -> MainScreen:
-        """The main screen beneath the dialogs; in a replay that of the recording."""
+    def set_up(
+        self,
+        live: ConsoleApp,
+        station: Station,
+        commands: Callable[[Mapping[str, Verb]], Sequence[Command]],
+        keys: Mapping[str, str],  # By the command's id; of the others, the default ones hold.
+        main: MainScreen,
+    ) -> None:
+        """Take up a station; must be called before all else."""
+        snapshot = station.robot.snapshot
+        self.live, self.station, self.main = live, station, main
+        self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
+        self.registry = commands(self.verbs)
+        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}  # As Textual names them.
+        # As people read them.
+        self.shown_keys = {name: readable_key(key) for name, key in self.keys.items()}
+        # The last texts, by form and by the path of the field.
+        self.typed: dict[str, dict[str, str]] = {}
+        self.used = snapshot.file  # With the other goals and services that were used besides.
+        self.view = self._state()
 
-    @property
-    def repeated(self) -> bool:
-        """True if the key that is being handled is held down, and so came before."""
-
-    @property
-    def input(self) -> InputTime | None:
-        """The time of the present key or click, and the pause before it, in s; None for neither."""
-
-    @property
-    def registry(self) -> Sequence[Command]:
-        """All commands."""
-
-    @property
-    def screen(self) -> Screen[Any]:
-        """The screen in front: a dialog, or the main screen."""
-
-    @property
-    def is_stuck(self) -> bool:
-        """True while the terminal has not read what was drawn last."""
-
-    def disabled_reason(self, command: Command) -> str:
-        """Return why a command cannot run now, or ""."""
+    def _state(self) -> ScreenState:
+        never = not self.has_sent
+        station = vars(self.station.view)
+        return ScreenState(**station, keys=self.shown_keys, has_never_sent_goal=never)
 
     def update_screen(self) -> None:
         """Show the station's present state at once, not only with the next message of the robot."""
+        self.station.refresh()
+        self.show_view()
 
-    def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which the following keys go.
+    def show_view(self) -> None:
+        """Show the station's view on the main screen, and in the dialogs over it."""
+        self.view = self._state()
+        if not self.is_shown:
+            return
+        self.view = replace(
+            self.view, blocked=frozenset(c.id for c in self.registry if c.disabled_reason(self))
+        )
+        self.main.show(self.view, self._footer_keys())
+        for dialog in self._dialogs:
+            if dialog.is_mounted:
+                dialog.update_view(self.view)
 
-        A dialog that a STOP closes is not shown, which is said, if a STOP was read since the key.
-        """
+    @property
+    def is_shown(self) -> bool:
+        """True during the life of the main screen, also behind dialogs."""
+        is_there = self.live.is_running and self.main in self.live.screen_stack
+        return is_there and self.main.is_mounted
 
-    def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console; keys act on it from then on, except STOP."""
+    def _footer_keys(self) -> list[FooterKey]:
+        """Return the commands with a footer word and a key, also disabled, in their order."""
+        view = self.view
+        keys = ((c, c.footer_key or view.key(c.id)) for c in self.registry if c.footer)
+        return [
+            FooterKey(c.id, key, c.footer, c.id in view.blocked, c.where == EVERYWHERE)
+            for c, key in keys
+            if key
+        ]
 
-    def end_replay(self) -> None:
-        """Close the replay, if there is one, with its dialogs, and show the live console again."""
-
-    def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog, except those that work everywhere."""
+    @property
+    def _dialogs(self) -> Iterator[Dismissable[Any]]:
+        """Yield the dialogs over the main screen; with a replay over it, up to that."""
+        stack = self.live.screen_stack
+        for screen in stack[stack.index(self.main) + 1 :]:
+            if isinstance(screen, Dismissable):
+                yield screen
+            if isinstance(screen, MainScreen):
+                return  # The dialogs over it show the replay.
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
 
         The verb is not checked for a refusal first. A failure is shown.
         """
-
-    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question at once; the following keys answer it, and a coroutine is run.
-
-        While another one is open, or if a STOP was read since the key, a message says that nothing
-        is asked.
-        """
+        raise NotImplementedError
 
     def report_failure(self, outcome: Outcome) -> None:
         """Show the outcome of a command that failed; do nothing for one that succeeded."""
+        raise NotImplementedError
+
+    def show_message(self, text: str, title: str = "") -> None:
+        """Show a message in the second row, as `title: text`; its text is taken as it is."""
+        self.live.notify(text, title=title, markup=False)
+
+
+class ConsoleApp(TerminalApp, Desk):
+    """The app, as far as commands use it: the live desk, and what all desks share."""
+
+    repeated = False  # True while the key that is being handled is held down.
+    # The time of the present key or click, and the pause before it, in s; None for neither.
+    input: InputTime | None = None
+
+    def open(self, dialog: Screen[Any]) -> None:
+        """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
+        raise NotImplementedError
+
+    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
+        """Show a question at once, whose answer may be a coroutine to run; or why it is not asked.
+
+        It is not while another one is open, or if a STOP was read since the key.
+        """
+        raise NotImplementedError
+
+    def opening(self) -> AbstractContextManager[None]:
+        """Return a context in which keys wait for a dialog, except those that work everywhere."""
+        raise NotImplementedError
 
     def drop_following_keys(self, why: str) -> None:
         """Drop the keys that follow at once: they were typed for a dialog that closed by itself."""
+        raise NotImplementedError
 
-    def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification, as `title: text`."""
+    def begin_replay(self, player: Player) -> None:
+        """Show a recording over the live console; keys act on it from then on, except STOP."""
+        raise NotImplementedError
 
-    def copy(self, text: str) -> None:
-        """Put a text on the clipboard of the terminal."""
+    def end_replay(self) -> None:
+        """Close the replay, if there is one, with its dialogs, and show the live console again."""
+        raise NotImplementedError
 
     def copy_selection(self) -> bool:
         """Copy the text selected in a field or on the screen; return False if none is selected."""
+        raise NotImplementedError
 
-    @property
-    def screens(self) -> Sequence[Screen[Any]]:
-        """All screens, from the main screen to the one in front."""
+    def action_command(self, name: str, counted: bool = False) -> None:
+        """Run a command by its id, or show why it cannot run; nothing for an unknown id.
 
-    @property
-    def available_themes(self) -> Mapping[str, Theme]:
-        """All themes by name."""
-
-    def write_screenshot(self) -> None:
-        """Save the screen as SVG, once the palette that asked for it has gone."""
-
-    def action_command(self, name: str) -> None:
-        """Run a command by its id, or show why it cannot run.
-
-        One that still waits for its answer does not run again; an unknown id does nothing.
+        It runs on the live console or, while a replay is shown, there; STOP always on the live one.
+        One that still waits for its answer does not run again. `counted` is True if the STOP was
+        counted as its key was read.
         """
-
-    def action_suspend_process(self) -> None:
-        """Suspend the console's process until the shell continues it, as ctrl+z does."""
+        raise NotImplementedError
 
     def leave(self) -> None:
-        """End the console when every command has its answer, after 30 s at the latest.
-
-        In a replay inside of a live console, only the replay ends.
-        """
+        """Begin to end the app when every command has its answer, in 30 s at most."""
+        raise NotImplementedError
 
 
 def file_writer(
-    console: Console, text: str | Callable[[], Awaitable[str]], what: str
+    desk: Desk, text: str | Callable[[], Awaitable[str]], what: str
 ) -> Callable[[Path], Awaitable[str]]:
     """Return a function that writes a text to a path, for a file dialog, and names it `what`.
 
@@ -169,8 +218,8 @@ def file_writer(
             await in_daemon(save_load.write_atomically, path, content)
         except ArchoError as error:
             return str(error)
-        console.station.robot.note("YOU", "console", f"{what}: saved to {path}")
-        console.show_message(f"Saved to {path}.")
+        desk.station.robot.note("YOU", "console", f"{what}: saved to {path}")
+        desk.show_message(f"Saved to {path}.")
         return ""
 
     return write
@@ -205,17 +254,17 @@ class Command:
         words = re.split("[:;]", self.help)[0]
         return f"{words[0].upper()}{words[1:]}"
 
-    def disabled_reason(self, console: Console) -> str:
+    def disabled_reason(self, desk: Desk) -> str:
         """Return why the command cannot run now, or "" if it can, as by default."""
         return ""
 
-    def run(self, console: Console) -> Work | None:
+    def run(self, desk: Desk) -> Work | None:
         """Act at once, or return a coroutine if the robot or a disk must be waited for."""
         raise NotImplementedError
 
 
 def asking_first(
-    console: Console,
+    desk: Desk,
     ask: Callable[[Mapping[str, Any]], Question | None],
     send: Callable[[Mapping[str, Any]], Awaitable[Outcome]],
 ) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
@@ -228,7 +277,7 @@ def asking_first(
 
     async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
         nonlocal asked
-        question, now = ask(values), console.station.clock.monotonic()
+        question, now = ask(values), desk.station.clock.monotonic()
         is_same = asked is not None and asked[1] == values
         if question is not None and (asked is None or not is_same or now - asked[0] < _AGREE_AFTER):
             asked = asked if is_same else (now, values)
@@ -246,8 +295,8 @@ class VerbCommand(Command):
         self.id, self.verbs = verb.id, (verb.id,)
         self.help = verb.help
 
-    def disabled_reason(self, console: Console) -> str:
-        return self.verb.refusal(console.station)
+    def disabled_reason(self, desk: Desk) -> str:
+        return self.verb.refusal(desk.station)
 
-    def run(self, console: Console) -> Work | None:
-        return console.run_verb(self.verb, {})
+    def run(self, desk: Desk) -> Work | None:
+        return desk.run_verb(self.verb, {})

@@ -11,7 +11,7 @@ from archo_tui.commands.base import (
     NOT_TYPING,
     Answers,
     Command,
-    Console,
+    Desk,
     VerbCommand,
     Work,
 )
@@ -41,33 +41,33 @@ class ShowAlarms(Command):
     id, key, verbs = "alarms", "A", ("alarms", "shelve")
     help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.lists import AlarmList
         from archo_tui.screens.request import AnswerRequest
 
-        station, waiting = console.station, console.station.approvals.waiting
-        if waiting and not any_urgent(console.view.alarms):  # Alarms of high priority come first.
-            on_end = partial(_answer, console), console.drop_following_keys
-            seen = (lambda: console.is_stuck), (lambda: console.input)
-            console.open(AnswerRequest(waiting[0], console.view, *seen, *on_end))
+        station, waiting = desk.station, desk.station.approvals.waiting
+        if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
+            on_end = partial(_answer, desk), desk.live.drop_following_keys
+            seen = (lambda: desk.live.is_stuck), (lambda: desk.live.input)
+            desk.live.open(AnswerRequest(waiting[0], desk.view, *seen, *on_end))
             return
-        forget_part = partial(_forget, console)
-        changes = station.acknowledge, station.shelve, console.update_screen, forget_part
-        console.open(AlarmList(console.view, *changes))
+        forget_part = partial(_forget, desk)
+        changes = station.acknowledge, station.shelve, desk.update_screen, forget_part
+        desk.live.open(AlarmList(desk.view, *changes))
 
 
 class ListDiagnostics(Command):
     id, verbs = "diagnostics", ("diagnostics", "forget")
     help = ShowDiagnostics.help
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.lists import DiagnosticList
 
-        console.open(DiagnosticList(console.view, partial(_forget, console)))
+        desk.live.open(DiagnosticList(desk.view, partial(_forget, desk)))
 
 
-def _forget(console: Console, part: Diagnostic) -> None:
-    console.report_failure(forget(console.station, part))
+def _forget(desk: Desk, part: Diagnostic) -> None:
+    desk.report_failure(forget(desk.station, part))
 
 
 class OperateOtherRobot(Command):
@@ -79,8 +79,8 @@ class OperateOtherRobot(Command):
     id = "other_robot"
     help = "Operate another robot: one in another namespace (the console restarts)"
 
-    def disabled_reason(self, console: Console) -> str:
-        station, snapshot = console.station, console.station.robot.snapshot
+    def disabled_reason(self, desk: Desk) -> str:
+        station, snapshot = desk.station, desk.station.robot.snapshot
         if not station.attached:
             return "only a console with --attach changes robots"
         if station.restart_blocker:
@@ -91,25 +91,25 @@ class OperateOtherRobot(Command):
             return "a goal waits or is being sent: cancel it first"
         return "" if snapshot.other_namespaces else "no other namespace has nodes"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.choose import Choice, Choose
 
-        names = console.station.robot.snapshot.other_namespaces
-        choices = [Choice(name, partial(self._operate, console, name)) for name in names]
-        console.open(Choose("Operate another robot", choices))
+        names = desk.station.robot.snapshot.other_namespaces
+        choices = [Choice(name, partial(self._operate, desk, name)) for name in names]
+        desk.live.open(Choose("Operate another robot", choices))
 
-    def _operate(self, console: Console, namespace: str) -> None:
+    def _operate(self, desk: Desk, namespace: str) -> None:
         """Restart the console for a namespace; show why not if the command is disabled by now."""
-        reason = self.disabled_reason(console)
+        reason = self.disabled_reason(desk)
         if reason:
-            console.show_message(reason)
+            desk.show_message(reason)
             return
-        console.station.operate(namespace)
+        desk.station.operate(namespace)
 
 
-def _answer(console: Console, number: int, allowed: bool) -> None:
-    console.report_failure(console.station.approvals.answer(number, allowed=allowed))
-    console.update_screen()
+def _answer(desk: Desk, number: int, allowed: bool) -> None:
+    desk.report_failure(desk.station.approvals.answer(number, allowed=allowed))
+    desk.update_screen()
 
 
 # The verbs that print what a panel shows, by its number.
@@ -136,23 +136,23 @@ class PanelKey(Command):
             self.footer, self.footer_key = "Panels", "1-8"
         self.gives_way = number == GRAPH
 
-    def run(self, console: Console) -> None:
-        console.main.focus_panel(self.number)
+    def run(self, desk: Desk) -> None:
+        desk.main.focus_panel(self.number)
 
 
 class ShowHelp(Command):
     id, key, footer = "help", "question_mark", "Help"
     help = "Show the keys of the panel with the focus, and below them all others"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.help import Help
 
-        front = console.screen
+        front = desk.live.screen
         if isinstance(front, Help):
             front.dismiss()
             return
-        panel = console.main.panel_with_focus if front is console.main else None
-        console.open(Help(partial(_help_entries, console, panel)))
+        panel = desk.main.panel_with_focus if front is desk.main else None
+        desk.live.open(Help(partial(_help_entries, desk, panel)))
 
 
 class ShowHelpEverywhere(ShowHelp):
@@ -160,17 +160,17 @@ class ShowHelpEverywhere(ShowHelp):
     help = "Show all keys; works in dialogs and while typing, too"
 
 
-def _help_entries(console: Console, panel: Panel | None) -> list[Entry]:
+def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
     """Return all keys: first those for the state, those of the focus, and those of everywhere."""
     from archo_tui.screens.help import Entry
 
     here = f"Here, in {panel.title_text}" if panel is not None else ""
     taken = panel.field_keys if panel is not None else ()
     entries = [Entry(here, key, word, True) for key, word in taken]
-    for command in console.registry:
+    for command in desk.registry:
         if isinstance(command, PanelKey):
             continue
-        entry = _help_entry(console, command)
+        entry = _help_entry(desk, command)
         if entry.key and entry.works and command.id in _FOR_A_STATE:
             entry = entry._replace(section=_NOW)
         elif panel is not None and entry.key and command.where != EVERYWHERE:
@@ -183,35 +183,35 @@ def _help_entries(console: Console, panel: Panel | None) -> list[Entry]:
             entries.insert(0, entry)
         else:
             entries.append(entry)
-    panels = sum(isinstance(command, PanelKey) for command in console.registry)
+    panels = sum(isinstance(command, PanelKey) for command in desk.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
     first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
     return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
 
 
-def _help_entry(console: Console, command: Command) -> Entry:
+def _help_entry(desk: Desk, command: Command) -> Entry:
     from archo_tui.screens.help import Entry
 
-    key = console.view.key(command.id)
+    key = desk.view.key(command.id)
     place = (
         f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
     )
-    return Entry(place, key, command.help, not console.disabled_reason(command))
+    return Entry(place, key, command.help, not command.disabled_reason(desk))
 
 
 class KeepKey(VerbCommand):
-    def run(self, console: Console) -> None:
-        console.show_message(f"{console.station.recorder.keep().text.capitalize()}.")
+    def run(self, desk: Desk) -> None:
+        desk.show_message(f"{desk.station.recorder.keep().text.capitalize()}.")
 
 
 class ToggleQuiet(Command):
     id = "quiet_alarms"
     help = "Turn the bell and the desktop notification of new alarms off or on"
 
-    def run(self, console: Console) -> None:
-        station = console.station
+    def run(self, desk: Desk) -> None:
+        station = desk.station
         station.quiet = not station.quiet
-        console.show_message(f"New alarms are {'silent' if station.quiet else 'rung again'}.")
+        desk.show_message(f"New alarms are {'silent' if station.quiet else 'rung again'}.")
 
 
 class Suspend(Command):
@@ -219,16 +219,18 @@ class Suspend(Command):
     help = "Suspend to the shell (fg brings it back); nodes started here pause meanwhile"
     where = EVERYWHERE
 
-    def disabled_reason(self, console: Console) -> str:
+    def disabled_reason(self, desk: Desk) -> str:
         return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
-    def run(self, console: Console) -> None:
-        goal = console.station.running_goal
-        if goal is None or console.station.attached:
-            console.action_suspend_process()
+    def run(self, desk: Desk) -> None:
+        goal = desk.station.running_goal
+        if goal is None or desk.station.attached:
+            desk.live.action_suspend_process()
             return
         question = f"The robot is {activity(goal)}; its nodes would pause."
-        console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
+        desk.live.confirm(
+            "Suspend", question, "Stay", {"Suspend": desk.live.action_suspend_process}
+        )
 
 
 # Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.
@@ -249,47 +251,47 @@ class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; if a goal runs, asks first and cancels it"
 
-    def run(self, console: Console) -> Work | None:
-        goal, station = console.station.running_goal, console.station
+    def run(self, desk: Desk) -> Work | None:
+        goal, station = desk.station.running_goal, desk.station
         published = _ends_of_publications(station)
         if goal is None:
             # A goal may be on its way to the robot, so the choice still matters.
-            end = partial(self._end, console, station.on_disconnect)
+            end = partial(self._end, desk, station.on_disconnect)
             snapshot, told = station.robot.snapshot, published
             if station.attached and snapshot.is_stopped:
                 stays = _STAYS_OPEN if snapshot.open_stop is not None else _STAYS_STOPPED
                 told = [stays, *published]
             if not told:
                 return end()
-            console.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
+            desk.live.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
             return None
         if not goal.mine:
-            self._leave_another(console)
+            self._leave_another(desk)
             return None
-        answers: Answers = {"Cancel goal and quit": partial(self._end, console, CANCEL)}
+        answers: Answers = {"Cancel goal and quit": partial(self._end, desk, CANCEL)}
         if station.attached:
-            answers = {**answers, "Leave it running and quit": partial(self._end, console, LEAVE)}
+            answers = {**answers, "Leave it running and quit": partial(self._end, desk, LEAVE)}
         text = " ".join((f"The robot is {activity(goal)}.", *published))
-        console.confirm("Quit", text, "Stay", answers)
+        desk.live.confirm("Quit", text, "Stay", answers)
         return None
 
-    async def _end(self, console: Console, choice: str) -> None:
-        station = console.station
+    async def _end(self, desk: Desk, choice: str) -> None:
+        station = desk.station
         await let_go(station.robot, station.clock, choice, "quit")
-        console.leave()
+        desk.live.leave()
 
-    def _leave_another(self, console: Console) -> None:
+    def _leave_another(self, desk: Desk) -> None:
         """Ask before quitting while another client's goal runs.
 
         Nodes of this process may be driving that goal, and would end.
         """
-        station = console.station
+        station = desk.station
         nodes = "the nodes of this console would end with it"
         what = "it keeps running" if station.attached else nodes
         running = f"Another client's goal is running: {what}."
         question = " ".join((running, *_ends_of_publications(station)))
-        end = partial(self._end, console, station.on_disconnect)
-        console.confirm("Quit", question, "Stay", {"Quit": end})
+        end = partial(self._end, desk, station.on_disconnect)
+        desk.live.confirm("Quit", question, "Stay", {"Quit": end})
 
 
 class QuitEverywhere(Quit):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, file_writer
+from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Desk, file_writer
 from archo_tui.widgets.events_panel import event_details, events_as_text
 
 
@@ -14,64 +14,64 @@ class NextLevel(_InEvents):
     id, key = "level", "l"
     help = "Choose the lowest level of the events that are shown"
 
-    def run(self, console: Console) -> None:
-        console.main.events.next_level()
+    def run(self, desk: Desk) -> None:
+        desk.main.events.next_level()
 
 
 class SearchEvents(_InEvents):
     id, key = "search", "slash"
     help = "Search the events: shows those whose source or text contains your text"
 
-    def run(self, console: Console) -> None:
-        console.main.events.search.open()
+    def run(self, desk: Desk) -> None:
+        desk.main.events.search.open()
 
 
 class CopyCommand(_InEvents):
     id, key = "copy_command", "y"
     help = "Copy the ros2 command of the selected event; or its text if it has none"
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if console.main.events.selected else "no event is selected"
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if desk.main.events.selected else "no event is selected"
 
-    def run(self, console: Console) -> None:
-        event = console.main.events.selected[0]
-        console.copy(event.command or event.text)
+    def run(self, desk: Desk) -> None:
+        event = desk.main.events.selected[0]
+        desk.live.copy_to_clipboard(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
-        console.show_message(event.command or event.text, title=f"Copied {what}")
+        desk.show_message(event.command or event.text, title=f"Copied {what}")
 
 
 class ToggleFullScreen(_InEvents):
     id, key = "full_screen", "e"
     help = "Show the events on the full screen, or leave it"
 
-    def run(self, console: Console) -> None:
-        console.main.toggle_full(console.main.events)
+    def run(self, desk: Desk) -> None:
+        desk.main.toggle_full(desk.main.events)
 
 
 class SaveEvents(_InEvents):
     id, key = "save_events", "ctrl+s"
     help = "Save the events that are shown to a file"
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if console.main.events.shown else "no event is shown"
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if desk.main.events.shown else "no event is shown"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        text = events_as_text(console.main.events.shown)
-        write = file_writer(console, text, "save events")
-        console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
+        text = events_as_text(desk.main.events.shown)
+        write = file_writer(desk, text, "save events")
+        desk.live.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 
 class ShowEvent(_InEvents):
     id, key = "whole_event", "enter"
     help = "Show the selected event in full"
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if console.main.events.selected else "no event is selected"
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if desk.main.events.selected else "no event is selected"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.text import ShowText
 
-        details = map(event_details, console.main.events.selected)
-        console.open(ShowText("Event", "\n\n\n".join(details)))
+        details = map(event_details, desk.main.events.selected)
+        desk.live.open(ShowText("Event", "\n\n\n".join(details)))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.commands.base import Command, Console, VerbCommand, Work, asking_first, file_writer
+from archo_tui.commands.base import Command, Desk, VerbCommand, Work, asking_first, file_writer
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -42,59 +42,59 @@ class _GenericCommand(VerbCommand):
     form: Mapping[str, FormField] = {}  # Labels, units and limits of them.
     copies_command = False  # True if its form has a button that calls `copy`.
 
-    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+    def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
         """Return the actions or services on the graph: the types of each by its full name."""
         raise NotImplementedError
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.choose import Choose
 
-        names = sorted(self.types_by_name(console))
-        choices = [choice for name in names for choice in self.choices(console, name)]
-        console.open(Choose(self.help, choices))
+        names = sorted(self.types_by_name(desk))
+        choices = [choice for name in names for choice in self.choices(desk, name)]
+        desk.live.open(Choose(self.help, choices))
 
-    def choices(self, console: Console, name: str) -> list[Choice]:
+    def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return the rows for one action or service: by default one, which opens its form."""
         from archo_tui.screens.choose import Choice
 
-        types = ", ".join(self.types_by_name(console)[name])
-        return [Choice(name, partial(self.open_form, console, name), types)]
+        types = ", ".join(self.types_by_name(desk)[name])
+        return [Choice(name, partial(self.open_form, desk, name), types)]
 
-    async def open_form(self, console: Console, name: str) -> None:
+    async def open_form(self, desk: Desk, name: str) -> None:
         """Open the form for a goal or a request, which is sent by `self.send`, or show why not."""
         from archo_tui.screens.message_form import MessageForm
 
         try:
-            kind = type_of("one", name, self.types_by_name(console))
+            kind = type_of("one", name, self.types_by_name(desk))
         except ValueError as error:
-            console.show_message(str(error))
+            desk.show_message(str(error))
             return
-        with console.opening():  # Message classes are read from disk, on another thread.
-            message_fields = await in_daemon(console.station.robot.form, kind)
+        with desk.live.opening():  # Message classes are read from disk, on another thread.
+            message_fields = await in_daemon(desk.station.robot.form, kind)
         if message_fields is None:
-            console.show_message(not_installed(name, kind))
+            desk.show_message(not_installed(name, kind))
             return
-        typed = console.typed.setdefault(name, {})
-        send = partial(self.send, console, name, kind)
-        asking = asking_first(console, partial(self.question, console, name, kind), send)
+        typed = desk.typed.setdefault(name, {})
+        send = partial(self.send, desk, name, kind)
+        asking = asking_first(desk, partial(self.question, desk, name, kind), send)
         fields = (*message_fields, *self.more_fields)
-        copy = self.copies_command and partial(self.copy, console, name, kind)
-        console.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None))
+        copy = self.copies_command and partial(self.copy, desk, name, kind)
+        desk.live.open(
+            MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None)
+        )
 
-    async def copy(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
-    ) -> str:
+    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
         """Copy the `ros2` command that does the same, or return why not; a subclass defines it."""
         raise NotImplementedError
 
     def question(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Question | None:
         """Return the question before what is sent; None for none."""
-        return self.verb.question(console.station, values)
+        return self.verb.question(desk.station, values)
 
     async def send(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         """Send a goal or a service request, and return the outcome; a subclass must define it."""
         raise NotImplementedError
@@ -104,35 +104,35 @@ class AnyGoal(_GenericCommand):
     """The command that sends a goal to any action on the graph.
 
     An action of the robot file opens that file's form. Another action that accepts a goal is added
-    to `console.used`.
+    to `desk.used`.
     """
 
     key = "G"
 
-    async def open_form(self, console: Console, name: str) -> None:
-        kind = kind_of(console.view.snapshot, name)
+    async def open_form(self, desk: Desk, name: str) -> None:
+        kind = kind_of(desk.view.snapshot, name)
         if kind is None:
-            await super().open_form(console, name)
+            await super().open_form(desk, name)
             return
-        go = next(v for v in console.verbs.values() if isinstance(v, Go) and v.kind == kind)
-        work = FormGoalKey(go).run(console)  # The robot file has a form of its own.
+        go = next(v for v in desk.verbs.values() if isinstance(v, Go) and v.kind == kind)
+        work = FormGoalKey(go).run(desk)  # The robot file has a form of its own.
         if work is not None:
             await work
 
-    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        return console.view.snapshot.actions
+    def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
+        return desk.view.snapshot.actions
 
     async def send(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         short = base_name(name)
-        goal = GoalKind(id=_unused_id(console, name), title=short, action=name, type=type_name)
-        outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
-        console.update_screen()  # The goal may wait in the queue.
+        goal = GoalKind(id=_unused_id(desk, name), title=short, action=name, type=type_name)
+        outcome = await self.verb.run(desk.station, {KIND: goal, GOALS: [values]})
+        desk.update_screen()  # The goal may wait in the queue.
         if outcome.ok:
-            known = [old for old in console.used.goals if old.action != name]
+            known = [old for old in desk.used.goals if old.action != name]
             used = replace(goal, form={path: FormField() for path in _paths(values)})
-            console.used = replace(console.used, goals=(*known, used))
+            desk.used = replace(desk.used, goals=(*known, used))
         return outcome
 
 
@@ -150,26 +150,24 @@ class AnyTopic(_GenericCommand):
         super().__init__(verb)
         self._running: set[asyncio.Future[Outcome]] = set()  # The loop holds tasks weakly.
 
-    def disabled_reason(self, console: Console) -> str:
-        no_topic = "" if self.types_by_name(console) else "no topic is on the graph"
-        return super().disabled_reason(console) or no_topic
+    def disabled_reason(self, desk: Desk) -> str:
+        no_topic = "" if self.types_by_name(desk) else "no topic is on the graph"
+        return super().disabled_reason(desk) or no_topic
 
-    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        return {found.name: found.types for found in topics_of(console.view.snapshot)}
+    def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
+        return {found.name: found.types for found in topics_of(desk.view.snapshot)}
 
     def question(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Question | None:
-        moves = console.view.snapshot.moves_by(name)
+        moves = desk.view.snapshot.moves_by(name)
         try:
             given = {**_publish_values(name, values), "type": type_name, "moves": moves}
         except ValueError:  # `send` says why.
             return None
-        return self.verb.question(console.station, given)
+        return self.verb.question(desk.station, given)
 
-    async def copy(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
-    ) -> str:
+    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
         try:
             given = _publish_values(name, values)
             message_class = await in_daemon(load_class, type_name)
@@ -178,15 +176,15 @@ class AnyTopic(_GenericCommand):
             return str(error)
         how_often = given["rate"], given["times"]
         command = ros2_command.publish(name, type_name, message, *how_often)
-        console.copy(command)
-        console.show_message(command, title="Copied the command")
+        desk.live.copy_to_clipboard(command)
+        desk.show_message(command, title="Copied the command")
         return ""
 
     async def send(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         """Begin to publish, and return once it has begun: the form closes, and it goes on."""
-        station = console.station
+        station = desk.station
         try:
             prepared = await self.verb.prepare(station, _publish_values(name, values))
         except ValueError as error:
@@ -202,13 +200,13 @@ class AnyTopic(_GenericCommand):
             if any(each.count for each in active.active if each not in before):
                 break
             await station.clock.sleep(_LOOK_PERIOD)
-        console.update_screen()
+        desk.update_screen()
         if not publishing.done():
             outcome = Outcome(Code.ACCEPTED, "publishing; ctrl+c ends it")
         else:
             outcome = publishing.result()
         if outcome.ok:
-            console.show_message(outcome.text, name)
+            desk.show_message(outcome.text, name)
         return outcome
 
 
@@ -222,66 +220,66 @@ def _publish_values(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
 class AnyService(_GenericCommand):
     """The command that calls any service on the graph.
 
-    A service that was called without values is added to `console.used`.
+    A service that was called without values is added to `desk.used`.
     """
 
     key = "C"
 
-    def choices(self, console: Console, name: str) -> list[Choice]:
+    def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return a row for each verb that calls the service; without any, one that opens a form."""
         from archo_tui.screens.choose import Choice
 
-        verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
+        verbs = verbs_by_service(desk.verbs, desk.view.snapshot).get(name, [])
         return [
-            Choice(name, partial(self._run_verb, console, verb), verb.title, words=verb.id)
+            Choice(name, partial(self._run_verb, desk, verb), verb.title, words=verb.id)
             for verb in verbs
-        ] or super().choices(console, name)
+        ] or super().choices(desk, name)
 
-    async def open_form(self, console: Console, name: str) -> None:
+    async def open_form(self, desk: Desk, name: str) -> None:
         try:
-            for kind in self.types_by_name(console).get(name, ()):
+            for kind in self.types_by_name(desk).get(name, ()):
                 refuse_transition(name, kind)
         except ValueError as error:
-            console.show_message(str(error))
+            desk.show_message(str(error))
             return
-        await super().open_form(console, name)
+        await super().open_form(desk, name)
 
     @staticmethod
-    def _run_verb(console: Console, verb: Verb) -> Work | None:
+    def _run_verb(desk: Desk, verb: Verb) -> Work | None:
         """Run a verb of the robot file, after its question, or notify why not; STOP as its key."""
         if verb.urgent:
-            console.action_command(verb.id)
+            desk.live.action_command(verb.id)
             return None
-        refusal = verb.refusal(console.station)
+        refusal = verb.refusal(desk.station)
         if refusal:
-            console.show_message(refusal)
+            desk.show_message(refusal)
             return None
-        return console.run_verb(verb, {})
+        return desk.run_verb(verb, {})
 
-    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        return console.view.snapshot.services
+    def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
+        return desk.view.snapshot.services
 
     async def send(
-        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+        self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         given = {"service": name, "type": type_name, "fields": values}
-        outcome = await self.verb.run(console.station, given)
+        outcome = await self.verb.run(desk.station, given)
         if outcome.ok:
-            console.show_message(outcome.text, name)
+            desk.show_message(outcome.text, name)
             short = base_name(name)
-            known = [old for old in console.used.commands if old.service != name]
+            known = [old for old in desk.used.commands if old.service != name]
             if not values:  # A robot file has no commands with fields.
-                used = CommandService(id=_unused_id(console, name), title=short, service=name)
-                console.used = replace(console.used, commands=(*known, used))
+                used = CommandService(id=_unused_id(desk, name), title=short, service=name)
+                desk.used = replace(desk.used, commands=(*known, used))
         return outcome
 
 
-def _unused_id(console: Console, name: str) -> str:
-    """Return a free id in `console.used` for an action or service: its last part, or `dock_2`.
+def _unused_id(desk: Desk, name: str) -> str:
+    """Return a free id in `desk.used` for an action or service: its last part, or `dock_2`.
 
     An entry for the same name does not count, since it will be replaced.
     """
-    kept = console.used
+    kept = desk.used
     used = {goal.id for goal in kept.goals if goal.action != name}
     for command in kept.commands:
         if command.service != name:
@@ -307,14 +305,14 @@ class WriteRobotFile(Command):
     id = "keep_robot"
     help = "Save a robot file: this one, with the other goals and services that you used"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        used, station = console.used, console.station
+        used, station = desk.used, desk.station
         if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
             used = without(used, station.robot.snapshot.unavailable_names)
-        write = file_writer(console, dump(used), "save a robot file")
-        console.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
+        write = file_writer(desk, dump(used), "save a robot file")
+        desk.live.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
 
 
 class DescribeRobot(Command):
@@ -323,17 +321,17 @@ class DescribeRobot(Command):
     id = "describe_robot"
     help = "Describe this robot: write a robot file for what is on the graph"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_path import AskPath
 
         async def text() -> str:
             try:
-                return await robot_file_text(console.station)
+                return await robot_file_text(desk.station)
             except SeveralRobots as error:
                 raise ArchoError(f"{error}: start with --namespace for one of them") from None
             except TimeoutError:
                 raise ArchoError("the console's own node does not answer") from None
 
-        write = file_writer(console, text, "describe this robot")
+        write = file_writer(desk, text, "describe this robot")
         listens = f"Robot file (listens for {LISTENING:g} s first)"
-        console.open(AskPath("Describe this robot", listens, "robot.yaml", write))
+        desk.live.open(AskPath("Describe this robot", listens, "robot.yaml", write))

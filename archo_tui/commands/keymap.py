@@ -94,13 +94,6 @@ def key_owner(
     return next((name for name in others if key and keys[name] == key), "")
 
 
-def readable_key(key: str) -> str:
-    """Return a key as a person reads it: `^x` for `ctrl+x`, `?`, `enter`; "" for none."""
-    if key in ("", "enter"):
-        return key
-    return format_key(key).replace("ctrl+", "^")
-
-
 def _read_entries(path: Path) -> Iterable[tuple[int, str, str]]:
     try:
         root = bounded_yaml.compose(bounded_yaml.read(path), path)
@@ -148,8 +141,3 @@ def _overlap(first: Command, second: Command) -> bool:
     """Return True if both keys work in some same place; only different panels do not overlap."""
     both = first.where == second.where == IN_PANEL
     return not both or first.panel == second.panel
-
-
-def readable_keys(keys: Mapping[str, str]) -> dict[str, str]:
-    """Return the key of each command by its id, as a person reads it."""
-    return {command: readable_key(key) for command, key in keys.items()}

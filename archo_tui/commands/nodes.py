@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
+from archo_tui.commands.base import IN_PANEL, NODES, Command, Desk, Work
 from archo_tui.commands.graph import show_topic
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
@@ -23,23 +23,23 @@ class _NodeCommand(Command):
     where, panel = IN_PANEL, NODES
     waits_for_answer = True
 
-    def disabled_reason(self, console: Console) -> str:
-        row = console.main.nodes.selected
+    def disabled_reason(self, desk: Desk) -> str:
+        row = desk.main.nodes.selected
         if row is None:
             return "no node is selected"
-        if not console.main.nodes.shows_cursor:
+        if not desk.main.nodes.shows_cursor:
             return "no node is selected: choose one with ↑ ↓ first"
         if not row.hosted:
             return f"{row.name} does not run in this process"
-        return console.verbs[self.verbs[0]].refusal(console.station)
+        return desk.verbs[self.verbs[0]].refusal(desk.station)
 
-    def run_verb(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
+    def run_verb(self, desk: Desk, verb: str, hosted: Hosted) -> Work | None:
         """Run a verb on a hosted node, after its question if it has one."""
-        return console.run_verb(console.verbs[verb], {"node": hosted.name})
+        return desk.run_verb(desk.verbs[verb], {"node": hosted.name})
 
-    def _selected(self, console: Console) -> Hosted:
+    def _selected(self, desk: Desk) -> Hosted:
         """Return the selected node, which runs in this process: else the command is disabled."""
-        row = console.main.nodes.selected
+        row = desk.main.nodes.selected
         assert row is not None
         assert row.hosted is not None
         return row.hosted
@@ -49,17 +49,17 @@ class StartStop(_NodeCommand):
     id, key, verbs = "start_stop", "s", ("start", "halt")
     help = "Start or stop the selected node"
 
-    def run(self, console: Console) -> Work | None:
-        hosted = self._selected(console)
-        return self.run_verb(console, "halt" if hosted.life.is_running else "start", hosted)
+    def run(self, desk: Desk) -> Work | None:
+        hosted = self._selected(desk)
+        return self.run_verb(desk, "halt" if hosted.life.is_running else "start", hosted)
 
 
 class CopyNode(_NodeCommand):
     id, key, verbs = "copy", "plus", ("copy",)
     help = "Start another copy of the selected node"
 
-    def run(self, console: Console) -> Work | None:
-        return self.run_verb(console, "copy", self._selected(console))
+    def run(self, desk: Desk) -> Work | None:
+        return self.run_verb(desk, "copy", self._selected(desk))
 
 
 class Restart(Command):
@@ -67,13 +67,13 @@ class Restart(Command):
     id, key = "restart", "ctrl+r"
     help = "Restart for what was saved during a STOP"
 
-    def disabled_reason(self, console: Console) -> str:
-        if not console.station.waiting_restart:
+    def disabled_reason(self, desk: Desk) -> str:
+        if not desk.station.waiting_restart:
             return "no restart waits"
-        return console.station.restart_blocker
+        return desk.station.restart_blocker
 
-    def run(self, console: Console) -> None:
-        console.station.restart(console.station.waiting_restart)
+    def run(self, desk: Desk) -> None:
+        desk.station.restart(desk.station.waiting_restart)
 
 
 class ShowNode(Command):
@@ -82,13 +82,13 @@ class ShowNode(Command):
     help = "Show the selected node: its topics, services and log level; after a crash, why"
     verbs = ("log_level", "lifecycle")
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if console.main.nodes.selected else "no node is selected"
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if desk.main.nodes.selected else "no node is selected"
 
-    def run(self, console: Console) -> None:
-        row = console.main.nodes.selected
+    def run(self, desk: Desk) -> None:
+        row = desk.main.nodes.selected
         assert row is not None
-        open_node_dialog(console, row)
+        open_node_dialog(desk, row)
 
 
 async def _follow_usage(station: Station, name: str, show: Callable[[str], None]) -> None:
@@ -102,7 +102,7 @@ async def _follow_usage(station: Station, name: str, show: Callable[[str], None]
         await station.clock.sleep(_USAGE_PERIOD)
 
 
-def open_node_dialog(console: Console, row: NodeRow) -> None:
+def open_node_dialog(desk: Desk, row: NodeRow) -> None:
     """Open the dialog of a node with its state, topics and services, log level and lifecycle."""
     from archo_tui.screens.node import NodeDialog
 
@@ -110,27 +110,27 @@ def open_node_dialog(console: Console, row: NodeRow) -> None:
         now = next((new for new in node_rows(view) if new.name == row.name), None)
         return _GONE if now is None else now.details(view.second, view.snapshot)
 
-    robot, verb, station = console.station.robot, console.verbs["log_level"], console.station
+    robot, verb, station = desk.station.robot, desk.verbs["log_level"], desk.station
 
     async def set_level(level: str) -> Outcome:
         return await verb.run(station, {"node": row.name, "level": level})
 
     def change_lifecycle(word: str) -> Work | None:
         values = {"node": row.name, "transition": word}
-        return console.run_verb(console.verbs["lifecycle"], values)
+        return desk.run_verb(desk.verbs["lifecycle"], values)
 
     refused = verb.refusal(station)
     describe = partial(robot.describe, row.name)
-    console.open(
+    desk.live.open(
         NodeDialog(
             row.name,
             tell,
-            console.view,
+            desk.view,
             describe,
             set_level,
             change_lifecycle,
             refused,
-            partial(show_topic, console),
+            partial(show_topic, desk),
             partial(_follow_usage, station, row.name),
         )
     )

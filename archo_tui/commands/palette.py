@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console
+from archo_tui.commands.base import EVERYWHERE, Command, Desk
 
 
 class OpenPalette(Command):
@@ -12,10 +12,10 @@ class OpenPalette(Command):
     help = "Open the command palette: every command, parameter, node and topic"
     where = EVERYWHERE
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.commands import palette_choices as palette
 
-        if not any(isinstance(screen, palette.CommandPalette) for screen in console.screens):
-            rows = partial(palette.palette_choices, console)
-            typed = partial(palette.typed_choices, console)
-            console.open(palette.CommandPalette("Commands", rows, typed))
+        if not any(isinstance(screen, palette.CommandPalette) for screen in desk.live.screen_stack):
+            rows = partial(palette.palette_choices, desk)
+            typed = partial(palette.typed_choices, desk)
+            desk.live.open(palette.CommandPalette("Commands", rows, typed))

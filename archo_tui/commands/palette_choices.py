@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from archo_tui.commands import graph, nodes, parameters
-from archo_tui.commands.base import Command, Console
+from archo_tui.commands.base import Command, Desk
 from archo_tui.errors import ArchoError
 from archo_tui.robot.graph.parameter_values import parse
 from archo_tui.robot.messages.values import text_of
@@ -108,44 +108,47 @@ class CommandPalette(Choose):
             self.update_choices(self._list_choices())
 
 
-def palette_choices(console: Console) -> list[Choice]:
+def palette_choices(desk: Desk) -> list[Choice]:
     """Return all rows, those that can be done now first: of them release, go, cancel and STOP."""
-    commands = {
-        c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES
-    }
+    commands = {c.id: _command_choice(desk, c) for c in desk.registry if c.id not in _DUPLICATES}
     first = [commands.pop(name) for name in _FIRST if name in commands]
     screenshot = "screenshot export svg"
     rows = [
         *first,
         *commands.values(),
-        Choice("Choose a theme", partial(_open_themes, console), console.theme, words=_THEME_WORDS),
-        Choice("Save a picture of the screen", console.write_screenshot, words=screenshot),
-        *_place_choices(console),
-        *_node_choices(console),
-        *_parameter_choices(console),
-        *_topic_choices(console),
+        Choice("Choose a theme", partial(_open_themes, desk), desk.live.theme, words=_THEME_WORDS),
+        Choice("Save a picture of the screen", partial(_write_screenshot, desk), words=screenshot),
+        *_place_choices(desk),
+        *_node_choices(desk),
+        *_parameter_choices(desk),
+        *_topic_choices(desk),
     ]
     return sorted(rows, key=lambda choice: bool(choice.reason))
 
 
-def typed_choices(console: Console, typed: str) -> list[Choice]:
+def _write_screenshot(desk: Desk) -> None:
+    """Save the screen as SVG in the user's folder of downloads, once the palette has gone."""
+    desk.live.call_after_refresh(desk.live.deliver_screenshot)
+
+
+def typed_choices(desk: Desk, typed: str) -> list[Choice]:
     """Return a row for a line that is a command by itself: `12 7`, or `set max_speed 0.2`."""
-    return [*_goal_choices(console, typed), *_set_choices(console, typed)]
+    return [*_goal_choices(desk, typed), *_set_choices(desk, typed)]
 
 
-def _set_choices(console: Console, typed: str) -> list[Choice]:
+def _set_choices(desk: Desk, typed: str) -> list[Choice]:
     """Return a row that sets a parameter, as `Set motor_controller max_speed to 0.2`, or no row."""
     edit, verb = parameters.Edit(), Set()
-    if all(command.id != edit.id for command in console.registry):
+    if all(command.id != edit.id for command in desk.registry):
         return []  # A replay has no commands that act.
     try:
         values = verb.values(shlex.split(typed.removeprefix(f"{verb.id} ")))
-        found = verb.find_parameter(console.station, values)
-        reason = edit.disabled_reason(console) or _mistake(found, values["value"])
+        found = verb.find_parameter(desk.station, values)
+        reason = edit.disabled_reason(desk) or _mistake(found, values["value"])
     except (ArchoError, ValueError):
         return []
     title = f"Set {found.node.lstrip('/')} {found.name} to {values['value']}"
-    return [Choice(title, partial(_set, console, verb, values), "enter", reason)]
+    return [Choice(title, partial(_set, desk, verb, values), "enter", reason)]
 
 
 def _mistake(parameter: Parameter, typed: str) -> str:
@@ -157,117 +160,117 @@ def _mistake(parameter: Parameter, typed: str) -> str:
     return ""
 
 
-async def _set(console: Console, verb: Set, values: Values) -> None:
+async def _set(desk: Desk, verb: Set, values: Values) -> None:
     try:
-        outcome = await run_when_ready(console.station, verb, values)
+        outcome = await run_when_ready(desk.station, verb, values)
     except (ArchoError, ValueError) as error:
         outcome = Outcome(Code.MISUSE, f"not set: {error}")
-    console.report_failure(outcome)
+    desk.report_failure(outcome)
 
 
-def _goal_choices(console: Console, typed: str) -> list[Choice]:
+def _goal_choices(desk: Desk, typed: str) -> list[Choice]:
     """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`, or no row."""
-    go = next((command for command in console.registry if command.id == "go"), None)
-    kinds, panel = console.view.snapshot.file.goals, console.main.goal
+    go = next((command for command in desk.registry if command.id == "go"), None)
+    kinds, panel = desk.view.snapshot.file.goals, desk.main.goal
     words = typed.split()
     if go is None or not kinds or not panel.takes_numbers or not words:
         return []
     if not all(_NUMBER.fullmatch(word) for word in words):
         return []
-    reason = console.disabled_reason(go) or panel.refusal(typed)
+    reason = go.disabled_reason(desk) or panel.refusal(typed)
     title = f"{kinds[0].title} {', '.join(words)}"
-    return [Choice(title, partial(_send_numbers, console, go, typed), "enter", reason)]
+    return [Choice(title, partial(_send_numbers, desk, go, typed), "enter", reason)]
 
 
-def _place_choices(console: Console) -> Iterator[Choice]:
+def _place_choices(desk: Desk) -> Iterator[Choice]:
     """Yield a row for each place and each list of goals; none in a replay."""
-    if all(command.id != "go" for command in console.registry):
+    if all(command.id != "go" for command in desk.registry):
         return
-    places, station = console.station.places, console.station
-    for go in (verb for verb in console.verbs.values() if isinstance(verb, Go)):
+    places, station = desk.station.places, desk.station
+    for go in (verb for verb in desk.verbs.values() if isinstance(verb, Go)):
         for name in places.of(go.kind):
-            act, words = partial(_drive_to, console, go, name), f"drive place {go.kind.title}"
+            act, words = partial(_drive_to, desk, go, name), f"drive place {go.kind.title}"
             yield Choice(f"Go to {name}", act, "", go.refusal(station), words)
     for name, goals in places.lists.items():
-        drive = console.verbs["go_list"]
-        act, title = partial(_drive_to, console, drive, name), f"Drive {name} ({len(goals)} goals)"
+        drive = desk.verbs["go_list"]
+        act, title = partial(_drive_to, desk, drive, name), f"Drive {name} ({len(goals)} goals)"
         yield Choice(title, act, "", drive.refusal(station), "go list queue round")
 
 
-async def _drive_to(console: Console, verb: Verb, name: str) -> None:
+async def _drive_to(desk: Desk, verb: Verb, name: str) -> None:
     """Send the goals of a place or a list, after the verb's question, or show why not."""
-    station = console.station
+    station = desk.station
     try:
         values = await verb.prepare(station, verb.values([name]))
     except (ArchoError, ValueError) as error:
-        console.show_message(f"not sent: {error}")
+        desk.show_message(f"not sent: {error}")
         return
-    work = console.run_verb(verb, values)
+    work = desk.run_verb(verb, values)
     if work is not None:
         await work
 
 
-def _send_numbers(console: Console, go: Command, typed: str) -> None:
+def _send_numbers(desk: Desk, go: Command, typed: str) -> None:
     """Send typed numbers as goals, or show as a notification why they cannot be sent now."""
-    reason = console.disabled_reason(go) or console.main.goal.refusal(typed)
+    reason = go.disabled_reason(desk) or desk.main.goal.refusal(typed)
     if reason:
-        console.show_message(f"not sent: {reason}")
+        desk.show_message(f"not sent: {reason}")
     else:
-        console.main.goal.send_numbers(typed)
+        desk.main.goal.send_numbers(typed)
 
 
-def _command_choice(console: Console, command: Command) -> Choice:
-    key, reason = console.view.key(command.id), console.disabled_reason(command)
+def _command_choice(desk: Desk, command: Command) -> Choice:
+    key, reason = desk.view.key(command.id), command.disabled_reason(desk)
     words = f"{command.id} {command.help} {_SEARCH_WORDS.get(command.id, '')}"
-    act = partial(console.action_command, command.id)
+    act = partial(desk.live.action_command, command.id)
     return Choice(command.title, act, key, reason, words)
 
 
-def _parameter_choices(console: Console) -> Iterator[Choice]:
+def _parameter_choices(desk: Desk) -> Iterator[Choice]:
     edit = parameters.Edit()
-    if all(command.id != edit.id for command in console.registry):
+    if all(command.id != edit.id for command in desk.registry):
         return  # A replay has no commands that act.
-    reason = edit.disabled_reason(console)
-    for parameter in console.view.snapshot.parameters:
+    reason = edit.disabled_reason(desk)
+    for parameter in desk.view.snapshot.parameters:
         title = f"Set {parameter.node.lstrip('/')} {parameter.name}"
-        act = partial(_edit_parameter, console, parameter.node, parameter.name)
+        act = partial(_edit_parameter, desk, parameter.node, parameter.name)
         yield Choice(title, act, text_of(parameter.value), reason, "parameter change")
 
 
-def _edit_parameter(console: Console, node: str, name: str) -> None:
+def _edit_parameter(desk: Desk, node: str, name: str) -> None:
     """Open the dialog for a parameter with its present value, or show why nothing can be set."""
-    edit, now = parameters.Edit(), console.view.snapshot.parameters
+    edit, now = parameters.Edit(), desk.view.snapshot.parameters
     found = next(
         (parameter for parameter in now if (parameter.node, parameter.name) == (node, name)), None
     )
-    refused = edit.disabled_reason(console)
+    refused = edit.disabled_reason(desk)
     if found is None or refused:
-        console.show_message(refused or f"{node.lstrip('/')} {name} is not there any more")
+        desk.show_message(refused or f"{node.lstrip('/')} {name} is not there any more")
     else:
-        edit.open(console, found)
+        edit.open(desk, found)
 
 
-def _node_choices(console: Console) -> Iterator[Choice]:
-    for row in node_rows(console.view):
-        act = partial(nodes.open_node_dialog, console, row)
+def _node_choices(desk: Desk) -> Iterator[Choice]:
+    for row in node_rows(desk.view):
+        act = partial(nodes.open_node_dialog, desk, row)
         yield Choice(f"Node {row.name.lstrip('/')}", act, words="info details")
 
 
-def _topic_choices(console: Console) -> Iterator[Choice]:
-    for topic in topics_of(console.view.snapshot):
-        act = partial(graph.show_topic, console, topic.name, topic.types)
+def _topic_choices(desk: Desk) -> Iterator[Choice]:
+    for topic in topics_of(desk.view.snapshot):
+        act = partial(graph.show_topic, desk, topic.name, topic.types)
         yield Choice(f"Topic {topic.name}", act, words="echo plot inspect fields rate QoS")
 
 
-def _open_themes(console: Console) -> None:
-    themes = console.available_themes
+def _open_themes(desk: Desk) -> None:
+    themes = desk.live.available_themes
     rows = [
         Choice(
             f"Theme {name}",
-            partial(setattr, console, "theme", name),
-            "now" if name == console.theme else "",
+            partial(setattr, desk.live, "theme", name),
+            "now" if name == desk.live.theme else "",
             words="dark night" if themes[name].dark else "light bright day",
         )
         for name in sorted(themes, key=lambda name: (name not in _FIRST_THEMES, name))
     ]
-    console.open(Choose("Themes", rows))
+    desk.live.open(Choose("Themes", rows))

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, VerbCommand, Work
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Desk, VerbCommand, Work
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import Parameter
@@ -18,38 +18,38 @@ _DEFAULT_FILE = "archo_params.yaml"
 class _InParameters(Command):
     where, panel = IN_PANEL, PARAMETERS
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if console.view.snapshot.parameters else NOBODY
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if desk.view.snapshot.parameters else NOBODY
 
 
 class _SetCommand(_InParameters):
     verbs = ("set",)
 
-    def disabled_reason(self, console: Console) -> str:
-        return console.verbs["set"].refusal(console.station) or super().disabled_reason(console)
+    def disabled_reason(self, desk: Desk) -> str:
+        return desk.verbs["set"].refusal(desk.station) or super().disabled_reason(desk)
 
-    async def set(self, console: Console, parameter: Parameter, value: Any) -> Outcome:
+    async def set(self, desk: Desk, parameter: Parameter, value: Any) -> Outcome:
         """Set a parameter, and return the answer of its node."""
         given = {"node": parameter.node, "name": parameter.name, "value": value}
-        return await console.verbs["set"].run(console.station, given)
+        return await desk.verbs["set"].run(desk.station, given)
 
 
 class Edit(_SetCommand):
     id, key = "edit", "enter"
     help = "Edit the selected parameter"
 
-    def run(self, console: Console) -> None:
-        console.main.parameters.take_focus()  # Shows the cursor, so that the parameter is visible.
-        parameter = console.main.parameters.selected
+    def run(self, desk: Desk) -> None:
+        desk.main.parameters.take_focus()  # Shows the cursor, so that the parameter is visible.
+        parameter = desk.main.parameters.selected
         if parameter is not None:
-            self.open(console, parameter)
+            self.open(desk, parameter)
 
-    def open(self, console: Console, parameter: Parameter) -> None:
+    def open(self, desk: Desk, parameter: Parameter) -> None:
         """Open the dialog in which a parameter is edited."""
         from archo_tui.screens.edit_parameter import EditParameter
 
-        send = partial(self.set, console, parameter)
-        console.open(EditParameter(parameter, send, self.initial_value(parameter)))
+        send = partial(self.set, desk, parameter)
+        desk.live.open(EditParameter(parameter, send, self.initial_value(parameter)))
 
     def initial_value(self, parameter: Parameter) -> Any:
         """Return the value in the field of the dialog at first: by default the present value."""
@@ -69,21 +69,21 @@ class SwitchBoolean(_SetCommand):
     help = "Toggle the selected boolean parameter"
     waits_for_answer = True
 
-    def disabled_reason(self, console: Console) -> str:
-        if not console.main.parameters.shows_cursor:
+    def disabled_reason(self, desk: Desk) -> str:
+        if not desk.main.parameters.shows_cursor:
             return "no parameter is selected: choose one with ↑ ↓ first"
-        selected = console.main.parameters.selected
+        selected = desk.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):
             return "the selected parameter is not a boolean"
         read_only = f"{selected.name} is read-only" if selected.read_only else ""
-        return super().disabled_reason(console) or read_only
+        return super().disabled_reason(desk) or read_only
 
-    def run(self, console: Console) -> Work | None:
-        selected = console.main.parameters.selected
+    def run(self, desk: Desk) -> Work | None:
+        selected = desk.main.parameters.selected
         assert selected is not None
 
         async def switch() -> None:
-            console.report_failure(await self.set(console, selected, not selected.value))
+            desk.report_failure(await self.set(desk, selected, not selected.value))
 
         return switch()
 
@@ -92,8 +92,8 @@ class ToggleOnlyChanged(_InParameters):
     id, key = "only_changed", "d"
     help = "Show only changed parameters: those that differ from the start; or all again"
 
-    def run(self, console: Console) -> None:
-        console.main.parameters.toggle_changed()
+    def run(self, desk: Desk) -> None:
+        desk.main.parameters.toggle_changed()
 
 
 class ToggleHidden(_InParameters):
@@ -101,17 +101,17 @@ class ToggleHidden(_InParameters):
     help = "Show or hide the other parameters: those that an operator seldom changes"
     gives_way = True
 
-    def run(self, console: Console) -> None:
-        console.main.parameters.toggle_hidden()
-        console.update_screen()
+    def run(self, desk: Desk) -> None:
+        desk.main.parameters.toggle_hidden()
+        desk.update_screen()
 
 
 class FilterParameters(_InParameters):
     id, key = "filter", "slash"
     help = "Filter the parameters: shows those whose node, name or value contains your text"
 
-    def run(self, console: Console) -> None:
-        console.main.parameters.search.open()
+    def run(self, desk: Desk) -> None:
+        desk.main.parameters.search.open()
 
 
 class UndoKey(VerbCommand):
@@ -119,50 +119,50 @@ class UndoKey(VerbCommand):
     key = "u"
     waits_for_answer = True
 
-    def run(self, console: Console) -> Work | None:
-        return console.run_verb(self.verb, {CHANGE: console.station.edits.last})
+    def run(self, desk: Desk) -> Work | None:
+        return desk.run_verb(self.verb, {CHANGE: desk.station.edits.last})
 
 
 class SaveKey(VerbCommand):
     where, panel = IN_PANEL, PARAMETERS
     key = "ctrl+s"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_path import AskPath
 
         warned: set[Path] = set()  # Existing files that the operator was warned about.
 
         async def save(path: Path) -> str:
-            station = console.station
+            station = desk.station
             values = await self.verb.prepare(station, {"file": str(path)})
             if path not in warned and self.verb.question(station, values) is not None:
                 warned.add(path)
                 return f"{path} already exists: press enter again to overwrite"
             outcome = await self.verb.run(station, values)
             if outcome.ok:
-                console.show_message(f"Saved to {path}.")
+                desk.show_message(f"Saved to {path}.")
             return "" if outcome.ok else outcome.text
 
-        console.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
+        desk.live.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
 class LoadKey(VerbCommand):
     where, panel = IN_PANEL, PARAMETERS
     key = "ctrl+o"
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_path import AskPath
 
         async def load(path: Path) -> str:
             try:
-                values = await self.verb.prepare(console.station, {"file": str(path)})
+                values = await self.verb.prepare(desk.station, {"file": str(path)})
             except ArchoError as error:
                 return str(error)
             if dialog.is_dismissed:  # The operator has closed it meanwhile.
                 return ""
             dialog.dismiss()  # Before the question, which would be beneath it.
-            console.run_verb(self.verb, values)  # It asks a question: there is nothing to wait for.
+            desk.run_verb(self.verb, values)  # It asks a question: there is nothing to wait for.
             return ""
 
         dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)
-        console.open(dialog)
+        desk.live.open(dialog)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import Console, VerbCommand
+from archo_tui.commands.base import Desk, VerbCommand
 from archo_tui.errors import ArchoError
 from archo_tui.verbs.verb import Verb
 
@@ -15,10 +15,10 @@ class SaveUnderName(VerbCommand):
         super().__init__(verb)
         self.verbs = (verb.id, *others)
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         from archo_tui.screens.ask_name import AskName
 
-        station = console.station
+        station = desk.station
 
         async def save(name: str) -> str:
             try:
@@ -26,7 +26,7 @@ class SaveUnderName(VerbCommand):
                 outcome = await self.verb.run(station, values)
             except (ArchoError, ValueError) as error:
                 return str(error)
-            console.show_message(outcome.text)
+            desk.show_message(outcome.text)
             return ""
 
-        console.open(AskName(self.verb.title, f"{self.help}:", save))
+        desk.live.open(AskName(self.verb.title, f"{self.help}:", save))

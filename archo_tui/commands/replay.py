@@ -1,14 +1,28 @@
-"""The commands of a replay: those that change nothing, and those of its time line."""
+"""The desk of a replay, and its commands: those that change nothing, and the time line's."""
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, IN_PANEL, TIME, Command, Console, Work
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from archo_tui.commands import registry
+from archo_tui.commands.base import (
+    EVERYWHERE,
+    IN_PANEL,
+    TIME,
+    Command,
+    ConsoleApp,
+    Desk,
+    Work,
+)
 from archo_tui.commands.console import PanelKey, Quit
 from archo_tui.recordings.replay.player import Player
-from archo_tui.recordings.replay.station import NOTHING_STOPPED
+from archo_tui.recordings.replay.station import NOTHING_STOPPED, RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screens.replay import ReplayScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.text.alarm import timeline
+from archo_tui.verbs.verb import Values, Verb
 
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(
@@ -21,10 +35,13 @@ _HARMLESS = frozenset(
 )
 
 
-def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
+_LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another one in the recording.
+
+
+def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
     """Return the commands of `archo-tui replay`: the read-only ones, and four of its own."""
     return (
-        *read_only_commands(player, commands),
+        *_read_only_commands(player, verbs),
         RefuseStop(),
         CopySelection(),
         QuitReplay(),
@@ -32,12 +49,18 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
     )
 
 
-def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the time line's commands, a list of recorded alarms, and all that change nothing.
+def _commands_over_live(
+    live: ConsoleApp, player: Player, verbs: Mapping[str, Verb]
+) -> Sequence[Command]:
+    """Return the commands of a replay over the live console: the read-only ones, and its own."""
+    shown = [c for c in _read_only_commands(player, verbs) if c.id not in _LIVE_ONLY]
+    stop = next(command for command in live.registry if command.id == "stop")
+    return BackToLive(), StopLive(live, stop), *shown, CopyFromReplay(), QuitBoth()
 
-    The command of panel 1 in `commands` is changed: it stands for all panels in the footer.
-    """
-    shown = [command for command in commands if command.id in _HARMLESS]
+
+def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
+    """Return the time line's commands, a list of recorded alarms, and all that change nothing."""
+    shown = [command for command in registry(player.file, verbs) if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
     panels.footer_key = "1-9"
     return (
@@ -60,18 +83,36 @@ def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[C
     )
 
 
+class ReplayDesk(Desk):
+    """The desk of a recording over the live console, whose STOP still stops the robot."""
+
+    def __init__(self, live: ConsoleApp, player: Player) -> None:
+        station = RecordedStation(player, live.station.clock)
+        screen = ReplayScreen(station.robot.snapshot, live.size, player, self.update_screen)
+        self.set_up(live, station, partial(_commands_over_live, live, player), live.keys, screen)
+
+    def run_verb(self, verb: Verb, values: Values) -> None:
+        """Send nothing, and say so."""
+        self.report_failure(Outcome(Code.REFUSED, f"REPLAY: {verb.id} was not sent"))
+
+    def report_failure(self, outcome: Outcome) -> None:
+        """Show the outcome of a command that failed, with the title `Replay`; else do nothing."""
+        if not outcome.ok:  # As the live console reports it, it would be about the robot.
+            self.show_message(outcome.text, "Replay")
+
+
 class _TimeLineCommand(Command):
     where, panel = IN_PANEL, TIME
 
     def __init__(self, player: Player) -> None:
         self.player = player
 
-    def run(self, console: Console) -> Work | None:
-        self.move(console)
-        console.update_screen()
+    def run(self, desk: Desk) -> Work | None:
+        self.move(desk)
+        desk.update_screen()
         return None
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         """Change the position, speed or playing state of the player; a subclass must define it."""
         raise NotImplementedError
 
@@ -80,7 +121,7 @@ class Play(_TimeLineCommand):
     id, key, footer = "play", "space", "Play"
     help = "Play, or pause"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.play(on=not self.player.is_playing)
 
 
@@ -93,7 +134,7 @@ class StepSeconds(_TimeLineCommand):
         self.footer_key = "←→" if footer else ""
         self.help = f"{abs(seconds):g} s {'back' if seconds < 0 else 'on'}"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.go_to(self.player.position + self._seconds)
 
 
@@ -101,7 +142,7 @@ class GoToBegin(_TimeLineCommand):
     id, key = "begin", "home"
     help = "To the beginning of the recording"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.go_to(self.player.start)
 
 
@@ -109,7 +150,7 @@ class GoToEnd(_TimeLineCommand):
     id, key = "end", "end"
     help = "To the end of the recording"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.play(on=False)
         self.player.go_to(self.player.end)
 
@@ -120,7 +161,7 @@ class StepMessage(_TimeLineCommand):
         self.id, self.key, self._step = name, key, step
         self.help = f"To the {'next message' if step > 0 else 'message before'}"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.step_message(self._step)
 
 
@@ -131,7 +172,7 @@ class ChangeSpeed(_TimeLineCommand):
         self.footer_key = "{}" if footer else ""
         self.help = f"Play {name}: 0.25 to 16 times as fast as it was"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         self.player.change_speed(self._step)
 
 
@@ -142,9 +183,9 @@ class StepMark(_TimeLineCommand):
         where = "next mark" if step > 0 else "mark before"
         self.help = f"To the {where}: an alarm, a command, the end of a goal"
 
-    def move(self, console: Console) -> None:
+    def move(self, desk: Desk) -> None:
         if self.player.step_mark(self._step) is None:
-            console.show_message(
+            desk.show_message(
                 f"There is no mark {'after' if self._step > 0 else 'before'} this moment."
             )
 
@@ -155,17 +196,17 @@ class RefuseStop(Command):
     id, key, where = "stop", "ctrl+x", EVERYWHERE
     help = "Stops nothing: this is a recording"
 
-    def run(self, console: Console) -> None:
-        console.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
+    def run(self, desk: Desk) -> None:
+        desk.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
 
 
 class CopySelection(Command):
     id, key, where = "copy_selection", "ctrl+c", EVERYWHERE
     help = "Copy the selection"
 
-    def run(self, console: Console) -> None:
-        if not console.copy_selection():
-            console.show_message(f"Nothing is selected. Press {console.view.key('quit')} to quit.")
+    def run(self, desk: Desk) -> None:
+        if not desk.live.copy_selection():
+            desk.show_message(f"Nothing is selected. Press {desk.view.key('quit')} to quit.")
 
 
 class ShowRecordedAlarms(Command):
@@ -175,25 +216,66 @@ class ShowRecordedAlarms(Command):
     def __init__(self, player: Player) -> None:
         self._player = player
 
-    def run(self, console: Console) -> None:
+    def run(self, desk: Desk) -> None:
         if self._player.is_reading:
-            console.show_message("This moment is still being read.")
+            desk.show_message("This moment is still being read.")
             return
         lines = [
             f"{alarm.priority.value}  {timeline(alarm)}\n   {alarm.text}"
-            for alarm in console.view.alarms
+            for alarm in desk.view.alarms
         ]
-        console.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))
+        desk.live.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))
 
 
 class QuitReplay(Quit):
     help = "Quit the replay"
 
-    def run(self, console: Console) -> None:
-        console.leave()
+    def run(self, desk: Desk) -> None:
+        desk.live.leave()
 
 
 class QuitReplayEverywhere(QuitReplay):
     id, key, footer = "quit_everywhere", "ctrl+q", ""
     help = "Quit the replay, also while typing"
     where = EVERYWHERE
+
+
+class BackToLive(Command):
+    id, key, footer = "quit", "q", "Live robot"
+    help = "Back to the live robot, which went on meanwhile"
+
+    def run(self, desk: Desk) -> None:
+        desk.live.end_replay()
+
+
+class StopLive(Command):
+    """The STOP command of the replay, which runs that of the live console."""
+
+    id, where = "stop", EVERYWHERE
+
+    def __init__(self, live: Desk, stop: Command) -> None:
+        self._live, self._stop = live, stop
+        self.key, self.footer = stop.key, f"{stop.footer} live"
+        self.help = f"On the live robot: {stop.help}"
+
+    def disabled_reason(self, desk: Desk) -> str:
+        return self._stop.disabled_reason(self._live)
+
+    def run(self, desk: Desk) -> None:
+        desk.live.action_command("stop")
+
+
+class CopyFromReplay(CopySelection):
+    def run(self, desk: Desk) -> None:
+        if not desk.live.copy_selection():
+            key = desk.view.key("quit")
+            desk.show_message(f"REPLAY: nothing was cancelled. Press {key} for the live robot.")
+
+
+class QuitBoth(Command):
+    id, key, where = "quit_everywhere", "ctrl+q", EVERYWHERE
+    help = "Leave the replay and quit the live console, as there"
+
+    def run(self, desk: Desk) -> None:
+        desk.live.end_replay()
+        desk.live.action_command(self.id)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work, asking_first
+from archo_tui.commands.base import EVERYWHERE, Command, Desk, VerbCommand, Work, asking_first
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.screens.dismissable import Dismissable
@@ -32,11 +32,11 @@ class GoKey(Command):
         does = "enter sends the robot there" if kind and kind.noun else "enter sends it"
         self.help = f"{title}: type the {what}; {does}" if labels else title
 
-    def disabled_reason(self, console: Console) -> str:
-        return "" if self._verb is None else self._verb.refusal(console.station)
+    def disabled_reason(self, desk: Desk) -> str:
+        return "" if self._verb is None else self._verb.refusal(desk.station)
 
-    def run(self, console: Console) -> None:
-        console.main.focus_panel(3)
+    def run(self, desk: Desk) -> None:
+        desk.main.focus_panel(3)
 
 
 class FormGoalKey(VerbCommand):
@@ -49,29 +49,29 @@ class FormGoalKey(VerbCommand):
         self._go = verb
         self.key, self.from_file = verb.kind.key, verb.kind.where
 
-    def run(self, console: Console) -> Work | None:
+    def run(self, desk: Desk) -> Work | None:
         from archo_tui.screens.message_form import MessageForm
 
         kind = self._go.kind
         if not kind.form:
-            return console.run_verb(self._go, {goals.GOALS: [{}]})
+            return desk.run_verb(self._go, {goals.GOALS: [{}]})
         message_fields, typed = (
-            console.view.snapshot.forms[kind.id],
-            console.typed.setdefault(kind.id, {}),
+            desk.view.snapshot.forms[kind.id],
+            desk.typed.setdefault(kind.id, {}),
         )
 
         async def send(values: Mapping[str, Any]) -> Outcome:
             try:
-                given = await self._go.prepare(console.station, {goals.GOALS: [values]})
+                given = await self._go.prepare(desk.station, {goals.GOALS: [values]})
             except ValueError as error:
                 return Outcome(Code.MISUSE, str(error))
-            outcome = await self._go.run(console.station, given)
-            console.update_screen()  # The goal may wait in the queue.
+            outcome = await self._go.run(desk.station, given)
+            desk.update_screen()  # The goal may wait in the queue.
             return outcome
 
-        form = console.view.snapshot.form(kind)
-        sends = asking_first(console, partial(self._go.question, console.station), send)
-        console.open(MessageForm(kind.title, message_fields, sends, typed, form))
+        form = desk.view.snapshot.form(kind)
+        sends = asking_first(desk, partial(self._go.question, desk.station), send)
+        desk.live.open(MessageForm(kind.title, message_fields, sends, typed, form))
         return None
 
 
@@ -90,23 +90,23 @@ class CancelKey(VerbCommand):
         super().__init__(verb)
         self.help = "Cancel the running goal; if none is running, copy the selection"
 
-    def run(self, console: Console) -> Work | None:
-        running = console.station.running_goal
+    def run(self, desk: Desk) -> Work | None:
+        running = desk.station.running_goal
         is_ours = running is not None and running.mine and running.phase != Phase.CANCELLING
-        if console.repeated and not is_ours:
+        if desk.live.repeated and not is_ours:
             return None
-        if running is None and console.station.robot.publications.active:
-            return console.run_verb(self.verb, {goals.RUNNING: None})
+        if running is None and desk.station.robot.publications.active:
+            return desk.run_verb(self.verb, {goals.RUNNING: None})
         if running is None:
-            dialog = console.screen
+            dialog = desk.live.screen
             if isinstance(dialog, Dismissable) and dialog.is_asking:
                 dialog.stop_waiting()
                 return None
-            if not console.copy_selection():
-                keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
-                console.show_message(f"No goal is running. Press {keys} to quit.")
+            if not desk.live.copy_selection():
+                keys = f"{desk.view.key('quit')} (or {desk.view.key('quit_everywhere')})"
+                desk.show_message(f"No goal is running. Press {keys} to quit.")
             return None
-        return console.run_verb(self.verb, {goals.RUNNING: running})
+        return desk.run_verb(self.verb, {goals.RUNNING: running})
 
 
 class CancelAllKey(VerbCommand):
@@ -115,8 +115,8 @@ class CancelAllKey(VerbCommand):
         self.id = "cancel_all"
         self.help = "Cancel every goal, whoever sent it (asks first)"
 
-    def run(self, console: Console) -> Work | None:
-        return console.run_verb(self.verb, {"--all": True})
+    def run(self, desk: Desk) -> Work | None:
+        return desk.run_verb(self.verb, {"--all": True})
 
 
 class StopKey(VerbCommand):
@@ -129,12 +129,12 @@ class StopKey(VerbCommand):
         super().__init__(verb)
         self.footer = "STOP" if verb.service else "Cancel all"
 
-    def run(self, console: Console) -> Work | None:
-        stops, snapshot = console.station.robot.stops, console.view.snapshot
+    def run(self, desk: Desk) -> Work | None:
+        stops, snapshot = desk.station.robot.stops, desk.view.snapshot
         is_stopped = snapshot.says_stopped and not snapshot.stop_not_obeyed
-        if console.repeated and is_stopped and not stops.superseded:
+        if desk.live.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
-        return super().run(console)
+        return super().run(desk)
 
 
 class ReleaseKey(VerbCommand):
@@ -168,28 +168,28 @@ class GiveKey(VerbCommand):
         self.key, self.from_file = given.key, given.where
         self.footer = "" if given.toggles_reading_of("battery") else given.title.split()[0]
 
-    def run(self, console: Console) -> Work | None:
+    def run(self, desk: Desk) -> Work | None:
         if self._off is None:
-            return console.run_verb(self._on, {})
+            return desk.run_verb(self._on, {})
         (name,) = self._on.given.toggle.values()
-        is_on = _reported_state(console, name)
+        is_on = _reported_state(desk, name)
         if is_on is None:
-            self._ask_which_way(console, name, self._off)
+            self._ask_which_way(desk, name, self._off)
             return None
-        return console.run_verb(self._off if is_on else self._on, {})
+        return desk.run_verb(self._off if is_on else self._on, {})
 
-    def _ask_which_way(self, console: Console, reading: str, off: services.Give) -> None:
+    def _ask_which_way(self, desk: Desk, reading: str, off: services.Give) -> None:
         title = self._on.given.title
         why = "" if reading == "ask" else f"The robot does not report {reading}: "
         question = f"{why}{title} or {off.title}?"
-        answers = {verb.title: partial(console.run_verb, verb, {}) for verb in (self._on, off)}
-        console.confirm(title, question, "Leave it", answers)
+        answers = {verb.title: partial(desk.run_verb, verb, {}) for verb in (self._on, off)}
+        desk.live.confirm(title, question, "Leave it", answers)
 
 
-def _reported_state(console: Console, name: str) -> bool | None:
+def _reported_state(desk: Desk, name: str) -> bool | None:
     """Return the state that a toggle inverts; None if it is not reported, or for `ask`."""
     if name == "ask":
         return None
     topic, _, reading = name.partition(".")
-    found: bool | None = getattr(getattr(console.view.snapshot, topic), reading)
+    found: bool | None = getattr(getattr(desk.view.snapshot, topic), reading)
     return found

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.cli import main
 from archo_tui.commands import keymap, registry
-from archo_tui.commands.base import Command
+from archo_tui.commands.base import Command, readable_key
 from archo_tui.errors import ArchoError
 from archo_tui.paths import config_file
 from tests.support.archo import ARCHO
@@ -32,7 +32,7 @@ def test_without_a_file_the_registry_decides(tmp_path: Path) -> None:
 
 def test_keys_are_chosen_by_name_or_character(tmp_path: Path) -> None:
     keys = load(tmp_path, "# mine\nstop: F5\nreset: '*'\nfilter: f\nsearch: f\ngo: x\n")
-    shown = keymap.readable_keys(keys)
+    shown = {name: readable_key(key) for name, key in keys.items()}
     assert keys["stop"] == "f5"
     assert (shown["reset"], shown["filter"], shown["search"], shown["go"]) == ("*", "f", "f", "x")
 

@@ -13,8 +13,7 @@ from textual.widgets import Button, Input
 from archo_tui import screens
 from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
-from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
-from archo_tui.commands.keymap import readable_key
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
 from archo_tui.keyed_app import HELD
 from archo_tui.widgets.field import INTEGER
 from tests.support.archo import ARCHO

@@ -14,7 +14,6 @@ from archo_tui.recordings import store
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.recordings.replay.player import Player, load_robot_file
 from archo_tui.recordings.replay.station import RecordedStation
-from archo_tui.replay_app import ReplayApp
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows
@@ -64,7 +63,7 @@ def said(line: Line) -> str:
 class Watcher:
     """Somebody in front of a replay."""
 
-    def __init__(self, app: ReplayApp, player: Player, time: StandingClock, pilot: Any) -> None:
+    def __init__(self, app: ArchoApp, player: Player, time: StandingClock, pilot: Any) -> None:
         self.app, self.player, self.time, self.pilot = app, player, time, pilot
         self._quiet = Quiet(app)
 
@@ -97,7 +96,7 @@ async def replay(path: Path, size: tuple[int, int] = (120, 36)) -> AsyncIterator
     player = Player(bag, load_robot_file(bag, ""), time)
     wait_until(lambda: player.is_complete)
     with sized(size):
-        app = ReplayApp(RecordedStation(player, time))
+        app = ArchoApp(RecordedStation(player, time), player=player)
     app.animation_level = "none"
     app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]
     async with app.run_test(size=size) as pilot:

@@ -26,7 +26,7 @@ from typing import NoReturn
 
 _READ_ONCE = ("PYTHON", "TEXTUAL", "LANG", "LC_", "TZ", "AMENT_PREFIX_PATH")
 _LOADED = (
-    *("archo_tui.app", "archo_tui.session", "archo_tui.console.plain", "archo_tui.replay_app"),
+    *("archo_tui.app", "archo_tui.session", "archo_tui.console.plain"),
     *("archo_tui.user_code.host", "archo_tui.robot.robot"),
     *("archo_tui.terminal.driver", "archo_tui.console.socket", "archo_tui.client.shell"),
     *("archo_tui.client.robot", "archo_tui.client.mcp.server", "archo_tui.recordings.recorder"),

@@ -106,7 +106,7 @@ async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
 def _answer(app: ArchoApp, command: Command, verb: str, asked: list[str]) -> str:
     if not isinstance(command, VerbCommand):
         return VERBS[verb].refusal(app.station)
-    reason = app.disabled_reason(command)
+    reason = command.disabled_reason(app)
     if reason:
         return reason
     work = app.run_verb(VERBS[verb], {})
