@@ -76,7 +76,7 @@ class ArchoApp(KeyedApp):
             from archo_tui.widgets.time_line import TimeLine
 
             commands = partial(replay_commands, player)
-            main = MainScreen(snapshot, self.size, TimeLine(player))
+            main = MainScreen(snapshot, self.size, TimeLine(snapshot, player))
         self.set_up(self, station, commands, keys or {}, main)
         main.goal.send = self._send_goals
         self.stop_key = self.keys["stop"]

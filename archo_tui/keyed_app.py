@@ -405,7 +405,7 @@ class KeyedApp(ConsoleApp):
         is_text = action == "command" and field is not None and self._is_text(command, field)
         if self.screen is not main or is_text:
             return False
-        return not command.panel or command.panel == main.focused_panel
+        return command.panel is None or isinstance(main.panel_with_focus, command.panel)
 
     def _is_text(self, command: Command, field: Input) -> bool:
         """Return True if a field takes the key of a command itself: as text, or to edit."""

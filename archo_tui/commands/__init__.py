@@ -25,6 +25,7 @@ from archo_tui.verbs.places import SavePlace, SaveQueue
 from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Give
 from archo_tui.verbs.verb import Verb
+from archo_tui.widgets.panels import PANELS
 
 
 def _saves_pose(verb: Verb) -> bool:
@@ -38,17 +39,6 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
     """
     verbs = vocabulary(described, {}) if spoken is None else spoken
     goals = [verb for verb in verbs.values() if isinstance(verb, Go)]
-    first = described.goals[0] if described.goals else None
-    titles = (
-        "Battery",
-        "Motion" if described.motion is None else described.motion.title,
-        "Goal" if first is None else first.title,
-        "Parameters",
-        "Nodes",
-        "Events",
-        "History",
-        "Graph",
-    )
     return (
         robot.GoKey(goals[0] if goals else None),
         robot.CancelKey(verbs["cancel"]),
@@ -71,7 +61,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         console.ShowAlarms(),
         console.ListDiagnostics(),
         console.OperateOtherRobot(),
-        *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),
+        *(console.PanelKey(panel, described) for panel in PANELS),
         parameters.Edit(),
         parameters.EditWithInitial(),
         parameters.SwitchBoolean(),

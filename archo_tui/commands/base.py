@@ -25,6 +25,7 @@ from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Question, Values, Verb
 from archo_tui.widgets.bars import FooterKey
+from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -34,14 +35,6 @@ Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
 _AGREE_AFTER = 0.7  # Seconds: a key that is held down agrees to nothing.
-PARAMETERS, NODES, EVENTS, GRAPH, TIME = 4, 5, 6, 8, 9
-_PANELS = {  # The panels with commands of their own.
-    PARAMETERS: "Parameters",
-    NODES: "Nodes",
-    EVENTS: "Events",
-    GRAPH: "Graph",
-    TIME: "the time line",
-}
 
 
 def readable_key(key: str) -> str:
@@ -232,9 +225,9 @@ class Command:
     key: str = ""  # Textual's name of the default key.
     help: str  # One sentence for `?`, the palette and docs/keys.md.
     footer: str = ""
-    footer_key: str = ""  # Shown if it stands for several commands, as `1-8`.
+    footer_key: str = ""  # Shown if it stands for several commands, as `←→`.
     where: str = NOT_TYPING  # EVERYWHERE, NOT_TYPING or IN_PANEL.
-    panel: int = 0  # For IN_PANEL.
+    panel: type[Panel] | None = None  # For IN_PANEL.
     runs_disabled: bool = False  # Run after the reason was shown; not if watching.
     always_tried: bool = False  # Run although the last snapshot disables it; not if watching.
     waits_for_answer: bool = False  # Not run before its answer, or for a held key.
@@ -246,7 +239,7 @@ class Command:
     @property
     def where_text(self) -> str:
         """The place where the key works, in words: `in Nodes`, `not while typing`, `everywhere`."""
-        return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
+        return self.where if self.panel is None else f"in {self.panel.title_text}"
 
     @property
     def title(self) -> str:

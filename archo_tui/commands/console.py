@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import (
     EVERYWHERE,
-    GRAPH,
     NOT_TYPING,
     Answers,
     Command,
@@ -16,6 +15,7 @@ from archo_tui.commands.base import (
     Work,
 )
 from archo_tui.robot.state.readings import Diagnostic
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.station.station import Station
@@ -23,10 +23,11 @@ from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
 from archo_tui.verbs.show import ShowDiagnostics, forget
 from archo_tui.verbs.verb import Verb
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.panels import PANELS
 
 if TYPE_CHECKING:
     from archo_tui.screens.help import Entry
-    from archo_tui.widgets.panel import Panel
 
 
 class AcknowledgeKey(VerbCommand):
@@ -112,32 +113,21 @@ def _answer(desk: Desk, number: int, allowed: bool) -> None:
     desk.update_screen()
 
 
-# The verbs that print what a panel shows, by its number.
-_SHOWN = {
-    1: ("status",),
-    4: ("params", "get"),
-    5: ("nodes",),
-    6: ("events",),
-    8: ("topics",),
-}
-
-
 _NOW = "Now"
 _FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
 
 
 class PanelKey(Command):
-    def __init__(self, number: int, title: str) -> None:
-        self.number = number
-        self.id, self.key = f"panel_{number}", str(number)
-        self.help = f"Go to panel {number}, {title}"
-        self.verbs = _SHOWN.get(number, ())
-        if number == 1:
-            self.footer, self.footer_key = "Panels", "1-8"
-        self.gives_way = number == GRAPH
+    def __init__(self, panel: type[Panel], robot: RobotFile) -> None:
+        self._number, self.key = panel.number, str(panel.number)
+        self.id = f"panel_{panel.number}"
+        self.help = f"Go to panel {panel.number}, {panel.title_for(robot)}"
+        self.verbs, self.gives_way = tuple(panel.verbs), panel.gives_way
+        if panel is PANELS[0]:
+            self.footer, self.footer_key = "Panels", f"1-{len(PANELS)}"
 
     def run(self, desk: Desk) -> None:
-        desk.main.focus_panel(self.number)
+        desk.main.focus_panel(self._number)
 
 
 class ShowHelp(Command):
@@ -177,7 +167,7 @@ def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
             key = panel.other_keys.get(command.id, entry.key)
             if any(key == other for other, _ in taken):
                 continue
-            if command.panel == panel.number or command.id in dict(panel.keys):
+            if command.panel is type(panel) or command.id in dict(panel.keys):
                 entry = entry._replace(section=here, key=key)
         if command.id == "release":  # While stopped, that is what is asked for first.
             entries.insert(0, entry)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Desk, file_writer
-from archo_tui.widgets.events_panel import event_details, events_as_text
+from archo_tui.commands.base import IN_PANEL, Command, Desk, file_writer
+from archo_tui.widgets.events_panel import EventsPanel, event_details, events_as_text
 
 
 class _InEvents(Command):
-    where, panel = IN_PANEL, EVENTS
+    where, panel = IN_PANEL, EventsPanel
 
 
 class NextLevel(_InEvents):

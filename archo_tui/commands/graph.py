@@ -6,20 +6,21 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Desk
+from archo_tui.commands.base import IN_PANEL, Command, Desk
 from archo_tui.commands.generic import AnyTopic
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
 from archo_tui.robot.state.graph import TOPIC
 from archo_tui.robot.state.topic import TopicView
+from archo_tui.widgets.graph_panel import GraphPanel
 
 if TYPE_CHECKING:
     from archo_tui.screens.topic import WatchedTopic
 
 
 class ShowResource(Command):
-    id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
+    id, key, where, panel = "resource", "enter", IN_PANEL, GraphPanel
     help = (
         "Show the selected topic, its fields live, with plots and QoS; "
         "of a service or an action its full type and its nodes"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from archo_tui.commands.base import IN_PANEL, NODES, Command, Desk, Work
+from archo_tui.commands.base import IN_PANEL, Command, Desk, Work
 from archo_tui.commands.graph import show_topic
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
@@ -14,13 +14,14 @@ from archo_tui.station.station import Station
 from archo_tui.station.view import View
 from archo_tui.text.nodes import NodeRow, node_rows
 from archo_tui.user_code.usage import Usage, usage_text
+from archo_tui.widgets.nodes_panel import NodesPanel
 
 _USAGE_PERIOD = 1.0  # Seconds between two measurements.
 _GONE = "? not on the graph any more"
 
 
 class _NodeCommand(Command):
-    where, panel = IN_PANEL, NODES
+    where, panel = IN_PANEL, NodesPanel
     waits_for_answer = True
 
     def disabled_reason(self, desk: Desk) -> str:
@@ -63,7 +64,7 @@ class CopyNode(_NodeCommand):
 
 
 class Restart(Command):
-    where, panel = IN_PANEL, NODES
+    where, panel = IN_PANEL, NodesPanel
     id, key = "restart", "ctrl+r"
     help = "Restart for what was saved during a STOP"
 
@@ -77,7 +78,7 @@ class Restart(Command):
 
 
 class ShowNode(Command):
-    where, panel = IN_PANEL, NODES
+    where, panel = IN_PANEL, NodesPanel
     id, key = "details", "enter"
     help = "Show the selected node: its topics, services and log level; after a crash, why"
     verbs = ("log_level", "lifecycle")

@@ -6,17 +6,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Desk, VerbCommand, Work
+from archo_tui.commands.base import IN_PANEL, Command, Desk, VerbCommand, Work
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.verbs.parameters import CHANGE, NOBODY
+from archo_tui.widgets.parameters_panel import ParametersPanel
 
 _DEFAULT_FILE = "archo_params.yaml"
 
 
 class _InParameters(Command):
-    where, panel = IN_PANEL, PARAMETERS
+    where, panel = IN_PANEL, ParametersPanel
 
     def disabled_reason(self, desk: Desk) -> str:
         return "" if desk.view.snapshot.parameters else NOBODY
@@ -115,7 +116,7 @@ class FilterParameters(_InParameters):
 
 
 class UndoKey(VerbCommand):
-    where, panel = IN_PANEL, PARAMETERS
+    where, panel = IN_PANEL, ParametersPanel
     key = "u"
     waits_for_answer = True
 
@@ -124,7 +125,7 @@ class UndoKey(VerbCommand):
 
 
 class SaveKey(VerbCommand):
-    where, panel = IN_PANEL, PARAMETERS
+    where, panel = IN_PANEL, ParametersPanel
     key = "ctrl+s"
 
     def run(self, desk: Desk) -> None:
@@ -147,7 +148,7 @@ class SaveKey(VerbCommand):
 
 
 class LoadKey(VerbCommand):
-    where, panel = IN_PANEL, PARAMETERS
+    where, panel = IN_PANEL, ParametersPanel
     key = "ctrl+o"
 
     def run(self, desk: Desk) -> None:

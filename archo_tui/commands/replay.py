@@ -9,7 +9,6 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import (
     EVERYWHERE,
     IN_PANEL,
-    TIME,
     Command,
     ConsoleApp,
     Desk,
@@ -19,10 +18,12 @@ from archo_tui.commands.console import PanelKey, Quit
 from archo_tui.recordings.replay.player import Player
 from archo_tui.recordings.replay.station import NOTHING_STOPPED, RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.replay import ReplayScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.text.alarm import timeline
 from archo_tui.verbs.verb import Values, Verb
+from archo_tui.widgets.time_line import TimeLine
 
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(
@@ -30,7 +31,6 @@ _HARMLESS = frozenset(
         *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
         *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
-        *(f"panel_{number}" for number in range(1, 9)),
     )
 )
 
@@ -60,9 +60,10 @@ def _commands_over_live(
 
 def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
     """Return the time line's commands, a list of recorded alarms, and all that change nothing."""
-    shown = [command for command in registry(player.file, verbs) if command.id in _HARMLESS]
-    panels = next(command for command in shown if command.footer == "Panels")
-    panels.footer_key = "1-9"
+    commands = registry(player.file, verbs)
+    panels = [command for command in commands if isinstance(command, PanelKey)]
+    panels[0].footer_key = f"1-{TimeLine.number}"
+    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in _HARMLESS]
     return (
         Play(player),
         StepSeconds(player, "back", "left", -1.0),
@@ -78,7 +79,7 @@ def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[C
         StepMark(player, "next_mark", "m", 1, "Mark"),
         StepMark(player, "mark_before", "M", -1),
         *shown,
-        PanelKey(TIME, "Time line"),
+        TimeLineKey(player.file),
         ShowRecordedAlarms(player),
     )
 
@@ -101,8 +102,14 @@ class ReplayDesk(Desk):
             self.show_message(outcome.text, "Replay")
 
 
+class TimeLineKey(PanelKey):
+    def __init__(self, robot: RobotFile) -> None:
+        super().__init__(TimeLine, robot)
+        self.id = "time_line"
+
+
 class _TimeLineCommand(Command):
-    where, panel = IN_PANEL, TIME
+    where, panel = IN_PANEL, TimeLine
 
     def __init__(self, player: Player) -> None:
         self.player = player

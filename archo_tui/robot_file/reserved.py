@@ -26,7 +26,8 @@ RESERVED = frozenset(
         *("recordings", "replay", "rewind", "robot", "launch", "look", "chapter"),
         # Commands that only the screen has, as named in a keymap.
         *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
-        *(f"panel_{number}" for number in range(1, 9)),
+        *(f"panel_{digit}" for digit in range(1, 10)),
+        "time_line",
         *("edit", "restore", "switch", "only_changed", "all_parameters", "filter"),
         *("start_stop", "restart", "details", "resource"),
         *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),

@@ -1,8 +1,9 @@
-"""The main screen: header, banner, eight numbered panels and footer."""
+"""The main screen: header, banner, numbered panels and footer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -21,7 +22,6 @@ from archo_tui.screens.base import Base
 from archo_tui.terminal.compositor import LayoutOnly
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.field import Field
@@ -29,14 +29,16 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.notices import Notice, NoticeLine
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.panels import PANELS
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
+
+P = TypeVar("P", bound=Panel)
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
@@ -107,21 +109,17 @@ class MainScreen(Base[None]):
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
-        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel(robot)
+        self._panels = [kind(snapshot) for kind in PANELS]
+        self.goal, self.parameters = self._panel(GoalPanel), self._panel(ParametersPanel)
+        self.nodes, self.events = self._panel(NodesPanel), self._panel(EventsPanel)
+        self.history, self.graph = self._panel(HistoryPanel), self._panel(GraphPanel)
         self.goal.on_typed = self._on_field_changed
-        self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
-        self.graph = GraphPanel()
-        above = BatteryPanel(robot), MotionPanel(robot), self.goal
-        panels = (*above, self.parameters, self.nodes, self.events, self.history, self.graph)
-        self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
         self._time_line, self.starts_in_field = time_line, starts_in_field
         self.rows_around = _AROUND  # Rows that the panels leave to other lines.
         if time_line is not None:
             self.rows_around += _TIME_LINE
-            self._panels[time_line.number] = time_line
-            for panel in above:
-                panel.can_focus = True
-            self.goal.make_read_only()
+            self._panels.append(time_line)
+            self.goal.can_focus = True  # Its form is hidden.
             self.add_class("-replay")
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
@@ -135,7 +133,10 @@ class MainScreen(Base[None]):
         self._is_laid_out = self._is_filled = False
         self._view: ScreenState | None = None  # The last one.
         self._commands: list[FooterKey] = []  # The keys of its footer.
-        self._broken: dict[int, str] = {}  # Why panels cannot be drawn, by number.
+        self._broken: dict[Panel, str] = {}  # Why some cannot be drawn.
+
+    def _panel(self, kind: type[P]) -> P:
+        return next(panel for panel in self._panels if isinstance(panel, kind))
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="head"):
@@ -144,11 +145,11 @@ class MainScreen(Base[None]):
         yield self._banner
         with self._body:
             with self._grid:
-                with LayoutOnly(id="left"):
-                    yield from (self._panels[number] for number in (1, 2, 5, 8))
-                with LayoutOnly(id="right"):
-                    yield from (self._panels[number] for number in (3, 4))
-                yield from (self.history, self.events)
+                for column in ("left", "right"):
+                    with LayoutOnly(id=column):
+                        yield from (p for p in self._panels if p.place == column)
+                for place in ("beside", "below"):
+                    yield from (p for p in self._panels if p.place == place)
         if self._time_line is not None:
             yield self._time_line
         yield self._footer
@@ -182,7 +183,7 @@ class MainScreen(Base[None]):
     @property
     def focus_chain(self) -> list[Widget]:
         """The widgets that tab visits, by panel at every size, buttons and searches last."""
-        for panel in self._panels.values():  # Textual may not have noticed yet what a class hides.
+        for panel in self._panels:  # Textual may not have noticed yet what a class hides.
             panel._nodes.updated()
         return sorted(super().focus_chain, key=_tab_order)
 
@@ -196,18 +197,18 @@ class MainScreen(Base[None]):
     @property
     def focused_panel(self) -> int:
         """The number of the panel with the focus; 0 if no panel has it."""
-        return 0 if self.focused is None else _panel_number(self.focused)
+        return 0 if self.panel_with_focus is None else self.panel_with_focus.number
 
     @property
     def panel_with_focus(self) -> Panel | None:
         """The panel with the focus; None if no panel has it."""
-        return self._panels.get(self.focused_panel)
+        return None if self.focused is None else _panel_of(self.focused)
 
     @property
     def search(self) -> Search | None:
         """The search of the panel with the focus if a text narrows its list; else None."""
         for panel in (self.parameters, self.events):
-            if panel.number == self.focused_panel and panel.search.search_text:
+            if panel is self.panel_with_focus and panel.search.search_text:
                 return panel.search
         return None
 
@@ -250,7 +251,7 @@ class MainScreen(Base[None]):
     def leave_full(self) -> None:
         """Show all panels again; the focus goes back if its panel has no room among them."""
         self._show_all()
-        focused = self._panels.get(self.focused_panel)
+        focused = self.panel_with_focus
         if focused is not None and not self._has_room(focused):
             self.focus_back()
 
@@ -260,8 +261,8 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
-        """Return True if a panel is shown here; History and Graph need a large screen."""
-        return panel not in (self.history, self.graph) or self._is_wide or self._is_large
+        """Return True if a panel is shown among the others at this size."""
+        return not panel.needs_room or self._is_wide or self._is_large
 
     @property
     def _is_wide(self) -> bool:
@@ -305,7 +306,8 @@ class MainScreen(Base[None]):
             return f"{max(goal + self._parameter_rows(most - goal), _MIN_HISTORY)} 1fr"
         few_events = _MIN_EVENTS if self.size.height >= _TALL else _FEW_EVENTS
         if self.size.width >= _NORMAL:
-            left = sum(self._panels[number].outer_size.height for number in (1, 2)) + nodes
+            above = (p for p in self._panels if p.place == "left" and p.number < self.nodes.number)
+            left = sum(panel.outer_size.height for panel in above) + nodes
             most = height - few_events
             return f"{min(max(left, goal + self._parameter_rows(most - goal)), most)} 1fr"
         top = 7 if self._grid.has_class("-gauges") else 5
@@ -324,7 +326,7 @@ class MainScreen(Base[None]):
 
         The widget that had the focus is remembered for `focus_back`.
         """
-        panel = self._panels[number]
+        panel = next(panel for panel in self._panels if panel.number == number)
         if not panel.has_class("-fills"):
             self._show_all()
             if not self._has_room(panel):
@@ -355,7 +357,7 @@ class MainScreen(Base[None]):
         self._draw_from_now_on()
         # The widget that had the focus has no room any more.
         if self.app.app_focus and self.focused not in self.focus_chain:
-            self.focus_panel(4)
+            self.focus_panel(self.parameters.number)
         self._show_focused()
 
     def _draw_from_now_on(self) -> None:
@@ -370,7 +372,7 @@ class MainScreen(Base[None]):
 
     def _show_focused(self) -> None:
         """Scroll to the panel with the focus, once a panel was chosen by its number."""
-        panel = self._panels.get(self.focused_panel)
+        panel = self.panel_with_focus
         if panel is not None and self._is_panel_chosen and self._body.max_scroll_y:
             panel.scroll_visible(animate=False)
 
@@ -380,11 +382,11 @@ class MainScreen(Base[None]):
         If a search has the focus, it is only closed and cleared.
         """
         before = self._focused_before
-        panel = None if before is None else self._panels.get(_panel_number(before))
+        panel = None if before is None else _panel_of(before)
         if isinstance(self.focused, Search):
             self.focused.close()
         elif panel is None or before is self.focused or not self._has_room(panel):
-            self.focus_panel(4)
+            self.focus_panel(self.parameters.number)
         elif isinstance(before, Search):  # That is a field, too: its panel gets the focus.
             panel.take_focus()
         else:
@@ -395,7 +397,7 @@ class MainScreen(Base[None]):
         if not self._is_filled:
             self._is_filled = True
             if self._view is not None:  # The next view fills the hidden panels.
-                visible = [panel for panel in self._panels.values() if self._has_room(panel)]
+                visible = [panel for panel in self._panels if self._has_room(panel)]
                 self._show(self._view, self._commands, visible)
             self.refresh()
 
@@ -406,7 +408,7 @@ class MainScreen(Base[None]):
             if view.snapshot.nodes:
                 self._fill()
             return
-        self._show(view, commands, self._panels.values())
+        self._show(view, commands, self._panels)
 
     def _show(self, view: ScreenState, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
@@ -481,7 +483,7 @@ class MainScreen(Base[None]):
     def _show_panel(self, panel: Panel, view: ScreenState) -> None:
         try:
             panel.show(view)
-            if self._broken.pop(panel.number, ""):
+            if self._broken.pop(panel, ""):
                 panel.remove_class("-broken")
                 panel.show_title("")
         except Exception as error:  # The other panels, STOP and the clock must go on.
@@ -492,18 +494,16 @@ class MainScreen(Base[None]):
         reason = harmless(f"cannot be drawn: {in_one_line(error)}")
         panel.show_title(escape(f"   ✗ {reason}"))
         panel.add_class("-broken")  # It hides the old content, but not the buttons.
-        if self._broken.get(panel.number) != reason:
-            self._broken[panel.number] = reason
+        if self._broken.get(panel) != reason:
+            self._broken[panel] = reason
             self.post_message(self.Broken(f"panel {panel.number} {reason}"))
 
 
 def _tab_order(widget: Widget) -> tuple[int, bool]:
-    return _panel_number(widget), isinstance(widget, (Button, Search))
+    panel = _panel_of(widget)
+    return panel.number if panel is not None else 0, isinstance(widget, (Button, Search))
 
 
-def _panel_number(widget: Widget) -> int:
-    """Return the number of the panel that contains a widget; 0 if none does."""
-    for node in widget.ancestors_with_self:
-        if isinstance(node, Panel):
-            return node.number
-    return 0
+def _panel_of(widget: Widget) -> Panel | None:
+    """Return the panel that contains a widget; None if none does."""
+    return next((node for node in widget.ancestors_with_self if isinstance(node, Panel)), None)

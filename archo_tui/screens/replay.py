@@ -34,7 +34,7 @@ class ReplayScreen(MainScreen, Dismissable[None]):
     def __init__(
         self, snapshot: Snapshot, size: Size, player: Player, update: Callable[[], None]
     ) -> None:
-        super().__init__(snapshot, size, TimeLine(player))
+        super().__init__(snapshot, size, TimeLine(snapshot, player))
         self._player, self._update = player, update
         self._live = Line(id="live")
         self.rows_around += 1

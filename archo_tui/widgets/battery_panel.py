@@ -1,11 +1,10 @@
-"""Panel 1: how full, how healthy."""
+"""The panel of the battery: how full, how healthy."""
 
 from __future__ import annotations
 
 from textual.app import ComposeResult
 
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot_file.model import RobotFile
 from archo_tui.text import trend
 from archo_tui.text.state import (
     ACTIVE,
@@ -29,10 +28,11 @@ from archo_tui.widgets.styled import aligned
 class BatteryPanel(Panel, can_focus=True):
     """The panel with voltage, charge, a bar, a sparkline, and the time until empty or full."""
 
-    number, title_text = 1, "Battery"
+    title_text, verbs, place = "Battery", ("status",), "left"
 
-    def __init__(self, robot: RobotFile) -> None:
-        super().__init__()
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
+        robot = snapshot.file
         self._topic = "" if robot.battery is None else robot.battery.topic
         ours = [c for c in robot.commands if c.toggles_reading_of("battery")]
         self.keys = tuple((command.id, command.title.lower()) for command in ours)

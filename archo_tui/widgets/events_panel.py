@@ -1,4 +1,4 @@
-"""Panel 6: what the nodes log and what the operator did, newest first."""
+"""The panel of events: what the nodes log and what the operator did, newest first."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.events import OWN_LEVELS, Event
-from archo_tui.robot.state.snapshot import Hosted
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
 from archo_tui.text.event_rows import EventRow, event_rows
 from archo_tui.text.state import with_short_types
@@ -78,7 +78,7 @@ def events_as_text(events: Iterable[Event]) -> str:
 class EventsPanel(Panel):
     """The list of events, newest first, from a level up, with a search."""
 
-    number, title_text = 6, "Events"
+    title_text, verbs = "Events", ("events",)
     keys = (
         ("level", "level"),
         ("search", "search"),
@@ -88,8 +88,8 @@ class EventsPanel(Panel):
         ("save_events", "save"),
     )
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
         self._level = _CYCLE[0]
         self._events: tuple[Event, ...] = ()
         self._hosted: tuple[Hosted, ...] = ()

@@ -1,4 +1,4 @@
-"""Panel 3: the form for a goal, the goal's progress, and the goals before."""
+"""The panel of the goal: the form for a goal, the goal's progress, and the goals before."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from archo_tui.robot.messages.typed import is_integer, is_number, parse_field
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot_file.model import GoalKind
+from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.text.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.text.state import BAD
 from archo_tui.widgets.button import Button
@@ -36,7 +36,7 @@ class _InvalidTextError(ValueError):
 class GoalPanel(Panel):
     """The panel with the form, the progress, the goal's state, and the goals before."""
 
-    number, title_text = 3, "Goal"
+    title_text, place = "Goal", "right"
     keys = ("go", "go"), ("cancel", "cancel")
     other_keys = {"go": "enter"}
     _watching = False
@@ -47,12 +47,14 @@ class GoalPanel(Panel):
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
     on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
+    @classmethod
+    def title_for(cls, robot: RobotFile) -> str:
+        return robot.goals[0].title if robot.goals else cls.title_text
+
     def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
         self._snapshot = snapshot
         self._kind = snapshot.file.goals[0] if snapshot.file.goals else None
-        if self._kind is not None:
-            self.title_text = self._kind.title
-        super().__init__()
         if self._kind is not None and self._kind.remaining is not None:
             self.add_class("-way")  # The bar has three rows where there is room.
         form = {} if self._kind is None else self._kind.form
@@ -130,10 +132,6 @@ class GoalPanel(Panel):
     @property
     def field_keys(self) -> Sequence[tuple[str, str]]:  # type: ignore[override]
         return self.focused_field.keys if self.focused_field is not None else ()
-
-    def make_read_only(self) -> None:
-        """Give the panel itself the focus, for a replay, which hides the form."""
-        self.can_focus = True
 
     @property
     def first_field(self) -> Field | None:

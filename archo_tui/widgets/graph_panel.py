@@ -1,4 +1,4 @@
-"""Panel 8: topics, services and actions, with the nodes that have them."""
+"""The panel of the graph: topics, services and actions, with the nodes that have them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from textual.app import ComposeResult
 from textual.widget import Widget
 
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.graph import ResourceRow, resource_rows
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
@@ -57,11 +58,12 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
 class GraphPanel(Panel):
     """The list of topics, services and actions."""
 
-    number, title_text = 8, "Graph"
+    title_text, verbs, place, needs_room = "Graph", ("topics",), "left", True
+    gives_way = True
     keys = (("resource", "open"),)
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
         self._rows: Rows[ResourceRow] = Rows(
             resource_lines,
             lambda row: (row.resource.kind, row.resource.name),

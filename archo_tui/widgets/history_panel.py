@@ -1,4 +1,4 @@
-"""Panel 7: plots of battery, speed and remaining way over the last minutes."""
+"""The panel of the history: plots of battery, speed and remaining way over the last minutes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from textual.app import ComposeResult
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.topic import Range
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, History, Quantity, current_values
@@ -171,12 +172,12 @@ def _time_axis(view: View, span: float, cells: int) -> str:
 class HistoryPanel(Panel, can_focus=True):
     """The panel with plots on a common time axis, drawn once a second while it is visible."""
 
-    number, title_text = 7, "History"
+    title_text, place, needs_room = "History", "beside", True
     keys = (("history", FULL_SCREEN), ("shorter", "shorter"), ("longer", "longer"))
 
-    def __init__(self, robot: RobotFile) -> None:
-        super().__init__()
-        self._plots = plots(robot)
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
+        self._plots = plots(snapshot.file)
         self._span = 1  # Index in SPANS.
         self._lines = TextLines()
         self._drawn_inputs: object = None

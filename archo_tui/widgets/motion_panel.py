@@ -1,4 +1,4 @@
-"""Panel 2: the robot's motion, its gauges, its commands and STOP."""
+"""The panel of motion: the robot's motion, its gauges, its commands and STOP."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.text.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
 from archo_tui.widgets.button import Button
@@ -22,11 +23,15 @@ class MotionPanel(Panel, can_focus=True):
     STOP service the second one is `Cancel all`.
     """
 
-    number = 2
+    title_text, place = "Motion", "left"
 
-    def __init__(self, robot: RobotFile) -> None:
-        self.title_text = "Motion" if robot.motion is None else robot.motion.title
-        super().__init__()
+    @classmethod
+    def title_for(cls, robot: RobotFile) -> str:
+        return cls.title_text if robot.motion is None else robot.motion.title
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
+        robot = snapshot.file
         self._topic = "" if robot.motion is None else robot.motion.topic
         ours = [command for command in robot.commands if not command.toggles_reading_of("battery")]
         words = [(command.id, command.title.partition(" ")[0].lower()) for command in ours]

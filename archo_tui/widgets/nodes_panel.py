@@ -1,4 +1,4 @@
-"""Panel 5: the nodes of the graph, and those of this process."""
+"""The panel of nodes: the nodes of the graph, and those of this process."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.nodes import NodeRow, node_rows
 from archo_tui.text.state import PLAIN, STRONG, age_text
 from archo_tui.widgets.line import Line
@@ -106,11 +107,11 @@ def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
 class NodesPanel(Panel):
     """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
 
-    number, title_text = 5, "Nodes"
+    title_text, verbs, place = "Nodes", ("nodes",), "left"
     keys: Sequence[tuple[str, str]] = _KEYS
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
         self._rows: Rows[NodeRow] = Rows(
             node_lines,
             lambda row: row.name,

@@ -10,6 +10,8 @@ from textual.markup import escape
 from textual.message import Message
 from textual.widget import Widget
 
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.rows import Rows
@@ -22,8 +24,12 @@ FULL_SCREEN = "full screen"  # The word of keys that enlarge a panel.
 class Panel(Container):
     """The base of the numbered panels; the screen calls `show` with every new state."""
 
-    number = 0  # 1 to 9, which is also the key that leads to it.
+    number = 0  # Set by the table of panels; it is also the key that leads to the panel.
     title_text = ""
+    verbs: Sequence[str] = ()  # Those that print what it shows.
+    place = "below"  # "left" or "right", in a column, or "beside" the columns.
+    needs_room = False  # It is shown among the others on a large screen only.
+    gives_way = False  # A robot file or a keymap may take the key of its number.
     # Pairs of a command's id and a word, for the lower border.
     keys: Sequence[tuple[str, str]] = ()
     # Of the field with the focus, each with its word.
@@ -38,12 +44,18 @@ class Panel(Container):
             super().__init__()
             self.panel = panel
 
-    def __init__(self) -> None:
+    def __init__(self, snapshot: Snapshot) -> None:
         super().__init__()
+        self.title_text = self.title_for(snapshot.file)
         self.border_title = f"{self.number} {self.title_text}"
         self._title, self._keys_below = Content(self.border_title), Content("")
         self._narrowed, self._title_more = "", ""  # After the title: plain text, then markup.
         self._keys_inputs: object = None  # What the keys were last written for.
+
+    @classmethod
+    def title_for(cls, _robot: RobotFile) -> str:
+        """Return the title without the number; that of some panels is the robot file's."""
+        return cls.title_text
 
     def on_resize(self) -> None:
         self.post_message(self.Outdated(self))

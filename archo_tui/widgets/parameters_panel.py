@@ -1,4 +1,4 @@
-"""Panel 4: every parameter of every node."""
+"""The panel of parameters: every parameter of every node."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from textual.widget import Widget
 from archo_tui.robot.graph.parameter_values import range_text
 from archo_tui.robot.messages.values import same, text_of
 from archo_tui.robot.state.graph import Parameter
-from archo_tui.robot_file.model import RobotFile
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -30,15 +30,15 @@ _WAITING = "? waiting for the nodes to report their parameters"
 class ParametersPanel(Panel):
     """The table of parameters; `*` marks those that differ from the start."""
 
-    number, title_text = 4, "Parameters"
+    title_text, verbs, place = "Parameters", ("params", "get"), "right"
     keys = (
         *(("edit", "edit"), ("filter", "filter"), ("undo", "undo")),
         *(("only_changed", "changed"), ("save", "save"), ("load", "load")),
     )
 
-    def __init__(self, robot: RobotFile) -> None:
-        super().__init__()
-        self._names = robot.shown
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot)
+        self._names = snapshot.file.shown
         self._parameters: tuple[Parameter, ...] = ()
         self._only_changed = False
         self._shows_all = False

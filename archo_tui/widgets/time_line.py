@@ -1,4 +1,4 @@
-"""Panel 9 of a replay: the position between begin and end, and marks of what happened."""
+"""The last panel of a replay: the position between begin and end, and marks of what happened."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from textual.content import Content
 
 from archo_tui.clock import time_of_day
 from archo_tui.recordings.replay.player import Player, TimelineMark
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.panels import PANELS
 from archo_tui.widgets.rows import crop
 from archo_tui.widgets.screen_state import ScreenState
 
@@ -19,12 +21,12 @@ _HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
 
 
 class TimeLine(Panel, can_focus=True):
-    """Panel 9 of a replay, two rows without a border: a line with the position, and text."""
+    """The last panel of a replay, two rows without a border: a line with the position, and text."""
 
-    number, title_text = 9, "Time line"
+    number, title_text = len(PANELS) + 1, "Time line"
 
-    def __init__(self, player: Player) -> None:
-        super().__init__()
+    def __init__(self, snapshot: Snapshot, player: Player) -> None:
+        super().__init__(snapshot)
         self._player = player
         self._line, self._status = Line(id="time"), Line(id="time-said")
 

@@ -16,6 +16,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
 from archo_tui.keyed_app import HELD
 from archo_tui.widgets.field import INTEGER
+from archo_tui.widgets.panels import PANELS
 from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.quiet import Quiet
@@ -36,7 +37,7 @@ KEYS = {
         "ctrl+q": "quit_everywhere", "f1": "help_everywhere",
     },
     NOT_TYPING: {
-        **{str(number): f"panel_{number}" for number in range(1, 9)},
+        **{str(panel.number): f"panel_{panel.number}" for panel in PANELS},
         "a": "ack", "c": "charge", "g": "go", "h": "history", "k": "skip",
         "n": "continue", "q": "quit", "r": "reset",
         "A": "alarms", "C": "call", "G": "send_goal", "R": "release",
@@ -144,7 +145,9 @@ def works(command: Command, place: str, panel: int) -> bool:
         is_text = len(readable_key(command.key)) > 1 or readable_key(command.key) in INTEGER
         return command.where == NOT_TYPING and not is_text
     main = place.startswith("panel") or place == "full screen"
-    return main and (command.where == NOT_TYPING or command.panel == panel)
+    return main and (
+        command.where == NOT_TYPING or (command.panel is not None and command.panel.number == panel)
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -211,7 +214,7 @@ def test_ids_are_unique_and_every_command_explains_itself() -> None:
     assert len({command.id for command in COMMANDS}) == len(COMMANDS)
     for command in COMMANDS:
         assert len(command.help) > 5
-        assert (command.panel > 0) == (command.where == IN_PANEL)
+        assert (command.panel is not None) == (command.where == IN_PANEL)
 
 
 async def test_what_can_be_clicked_on_names_a_command_in_every_state() -> None:
