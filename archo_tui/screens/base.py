@@ -7,18 +7,11 @@ from textual.geometry import Offset
 from textual.screen import Screen, ScreenResultType
 from textual.widget import Widget
 
-from archo_tui.terminal.compositor import DirtyCompositor
 from archo_tui.widgets.field import Field
 
 
 class Base(Screen[ScreenResultType]):
     """The base of all screens, which survives fast resizes and clicks on widgets just removed."""
-
-    def __init__(
-        self, name: str | None = None, id: str | None = None, classes: str | None = None
-    ) -> None:
-        super().__init__(name, id, classes)
-        self._compositor = DirtyCompositor()
 
     async def on_event(self, event: Event) -> None:
         """Handle an event; a Resize is handled with the size that the terminal has now.

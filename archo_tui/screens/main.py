@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from textual import events
 from textual.app import ComposeResult
-from textual.containers import Horizontal
+from textual.containers import Container, Horizontal
 from textual.content import Content
 from textual.geometry import Region, Size
 from textual.markup import escape
@@ -19,7 +19,6 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
-from archo_tui.terminal.compositor import LayoutOnly
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.button import Button
@@ -107,8 +106,8 @@ class MainScreen(Base[None]):
         height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)
         super().__init__(classes=f"{width_class} {height_class}")
         robot = snapshot.file
-        self._body = LayoutOnly(id="body")
-        self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
+        self._body = Container(id="body")
+        self._grid = Container(id="panels", classes="-gauges" if robot.gauges else "")
         self._panels = [kind(snapshot) for kind in PANELS]
         self.goal, self.parameters = self._panel(GoalPanel), self._panel(ParametersPanel)
         self.nodes, self.events = self._panel(NodesPanel), self._panel(EventsPanel)
@@ -146,7 +145,7 @@ class MainScreen(Base[None]):
         with self._body:
             with self._grid:
                 for column in ("left", "right"):
-                    with LayoutOnly(id=column):
+                    with Container(id=column):
                         yield from (p for p in self._panels if p.place == column)
                 for place in ("beside", "below"):
                     yield from (p for p in self._panels if p.place == place)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from rich.segment import Segment
 from rich.style import Style
-from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
@@ -62,18 +61,3 @@ class TextLines(LineWidget):
         line = self._lines[y] if y < len(self._lines) else ()
         segments = [Segment(text, base + rich_style(tone, variables)) for text, tone in line]
         return Strip(segments).crop_extend(0, self.size.width, base)
-
-
-class QuietFocus(Widget):
-    """A widget that Textual does not redraw when it gets or loses the focus.
-
-    A subclass redraws what changes in `watch_has_focus`. List it last among the bases.
-    """
-
-    def on_focus(self, event: events.Focus) -> None:
-        event.prevent_default()  # Textual would redraw the widget and its children.
-        self.has_focus = True
-
-    def on_blur(self, event: events.Blur) -> None:
-        event.prevent_default()
-        self.has_focus = False

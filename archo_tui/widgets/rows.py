@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from itertools import accumulate, zip_longest
+from itertools import accumulate
 from typing import Generic, TypeVar
 
 from rich.cells import cell_len, set_cell_size
@@ -16,14 +16,13 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.widgets.line_widget import LineWidget, QuietFocus, not_drawn
+from archo_tui.widgets.line_widget import LineWidget, not_drawn
 
 T = TypeVar("T")
 Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the theme's tone.
 QUIET = "$quiet"
 Columns = tuple[int, ...]  # Their widths, in cells.
 
-_NEAR = 10  # Cells between two changes that are drawn as one: a jump there takes as many bytes.
 _MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sideways.
 
 
@@ -52,31 +51,7 @@ def column(texts: Iterable[str], least: int, most: int) -> int:
     return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
-def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
-    """Return the beginnings and ends of the cells in which two texts of a line differ.
-
-    Differences of at most ten cells between them count as one. Equal texts, and texts with a
-    character that does not take one cell, give the whole line.
-    """
-    if cell_len(before) != len(before) or cell_len(now) != len(now):
-        return [(0, width)]
-    spans: list[tuple[int, int]] = []
-    for place, (old, new) in enumerate(zip_longest(before, now, fillvalue=" ")):
-        if old == new:
-            continue
-        begin = place
-        if spans and place - spans[-1][1] <= _NEAR:
-            begin, _ = spans.pop()
-        spans.append((begin, place + 1))
-    return spans or [(0, width)]
-
-
-def _style_and_cursor(line: tuple[Text, bool]) -> tuple[str, bool]:
-    (_, style), is_selected = line
-    return style, is_selected
-
-
-class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
+class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
     """A list with a cursor, whose cost depends on the visible items only."""
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
@@ -156,21 +131,12 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     def redraw_changed(self) -> None:
         """Redraw the visible lines whose text, style or cursor differs from what is drawn."""
-        (left, top), (width, height) = self.scroll_offset, self.size
-        changed: list[Region] = []
-        for y in range(height):
-            before, now = self._drawn_lines.get(y), self._line_at(top + y)
-            if before == now:
-                continue
-            spans = [(0, width)]
-            if (
-                before is not None
-                and not left
-                and _style_and_cursor(before) == _style_and_cursor(now)
-            ):
-                old, new = (crop(text, self._width) for (text, _), _ in (before, now))
-                spans = changed_cells(old, new, width)
-            changed += [Region(begin, y, end - begin, 1) for begin, end in spans]
+        top, (width, height) = self.scroll_offset.y, self.size
+        changed = [
+            Region(0, y, width, 1)
+            for y in range(height)
+            if self._drawn_lines.get(y) != self._line_at(top + y)
+        ]
         if changed:  # Without regions, all would be drawn.
             self.refresh(*changed)
 

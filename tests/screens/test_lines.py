@@ -4,34 +4,15 @@ from __future__ import annotations
 
 from rich.segment import Segment
 from textual.strip import Strip
-from textual.widget import Widget
 
 from archo_tui.widgets.line import Line
 from tests.support.console import FAST, console
-from tests.support.quiet import Quiet
-from tests.support.states import STATES
-from tests.support.stub import StandingClock, StubRobot, stub_app
 
 
 def cells(strips: list[Strip]) -> list[tuple[str, str]]:
     """Each character, and how it looks."""
     segments: list[Segment] = [segment for strip in strips for segment in strip]
     return [(char, str(segment.style)) for segment in segments for char in segment.text]
-
-
-async def test_a_line_looks_as_textual_draws_it() -> None:
-    app = stub_app(STATES["normal"], StandingClock(), size=(120, 36))
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
-    async with app.run_test(size=(120, 36)):
-        for state in STATES:
-            robot.put(STATES[state])
-            await Quiet(app).settle()
-            lines = [line for line in app.screen.query(Line) if line.region]
-            assert any(line.id == "header" for line in lines)
-            for line in lines:
-                region = line.size.region
-                drawn = cells(line.render_lines(region))
-                assert drawn == cells(Widget.render_lines(line, region)), (state, line)
 
 
 async def test_what_can_be_clicked_is_lit_below_the_mouse() -> None:
@@ -43,4 +24,3 @@ async def test_what_can_be_clicked_is_lit_below_the_mouse() -> None:
         await op.until(lambda: cells(footer.render_lines(footer.size.region)) != before)
         lit = cells(footer.render_lines(footer.size.region))
         assert lit[place][1] != before[place][1]
-        assert lit == cells(Widget.render_lines(footer, footer.size.region))

@@ -6,12 +6,11 @@ import random
 from typing import Any
 
 import pytest
-from textual._compositor import ChopsUpdate
+from textual._compositor import ChopsUpdate, Compositor
 from textual.app import App
 from textual.screen import Screen
 
 from archo_tui.robot.state.events import Event
-from archo_tui.terminal.compositor import DirtyCompositor
 from archo_tui.widgets.panel import Panel
 from tests.support.clock import TIME
 from tests.support.console import click, screen_text, send
@@ -31,7 +30,7 @@ def _drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Screen, "_compositor_refresh", _DRAW)
 
 
-def picture(compositor: DirtyCompositor) -> list[Cells]:
+def picture(compositor: Compositor) -> list[Cells]:
     """Each character of the screen, and how it looks."""
     return [
         [(char, str(segment.style)) for segment in strip for char in segment.text]
@@ -45,9 +44,9 @@ class Terminal:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.cells: list[Cells] = []
         self.parts = 0
-        part, whole = DirtyCompositor.render_partial_update, DirtyCompositor.render_full_update
+        part, whole = Compositor.render_partial_update, Compositor.render_full_update
 
-        def draw_part(compositor: DirtyCompositor) -> ChopsUpdate | None:
+        def draw_part(compositor: Compositor) -> ChopsUpdate | None:
             update = part(compositor)
             if update is not None:
                 self.parts += 1
@@ -56,13 +55,13 @@ class Terminal:
                     self.cells[y][start:end] = drawn[y][start:end]
             return update
 
-        def draw_all(compositor: DirtyCompositor, simplify: bool = False) -> Any:
+        def draw_all(compositor: Compositor, simplify: bool = False) -> Any:
             update = whole(compositor, simplify)
             self.cells = picture(compositor)
             return update
 
-        monkeypatch.setattr(DirtyCompositor, "render_partial_update", draw_part)
-        monkeypatch.setattr(DirtyCompositor, "render_full_update", draw_all)
+        monkeypatch.setattr(Compositor, "render_partial_update", draw_part)
+        monkeypatch.setattr(Compositor, "render_full_update", draw_all)
 
     def shows(self, app: App[Any]) -> bool:
         """True when it shows what an app draws whose widgets have forgotten what they drew."""

@@ -38,9 +38,7 @@ KNOWN = {
     "screens/confirm.py": "_bindings",
     "screens/main.py": "_compositor_refresh _nodes _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
-    "_return_code",
-    "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
-    "_get_renders _regions_to_spans _styles_cache",
+    "_return_code _styles_cache",
     "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
     "_sigcont_application _sigtstp_application _writer_thread",
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
