@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import yaml
-from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
-from textual.keys import _character_to_key, format_key
+from textual.keys import Keys, format_key
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest
+from archo_tui.terminal.keys import key_name
 from archo_tui.yaml_text import bounded_yaml
 
 _CHOOSE_ANOTHER = "choose another"
@@ -21,9 +21,7 @@ _RESERVED = (
     *("backspace", "delete", "home", "end"),
 )
 # The keys that terminals send, by Textual's names.
-_TERMINAL_KEYS = {
-    key.value for keys in ANSI_SEQUENCES_KEYS.values() if isinstance(keys, tuple) for key in keys
-}
+_TERMINAL_KEYS = {key.value for key in Keys} - {"<any>", "<ignore>", "ctrl-at", "return"}
 _INDISTINGUISHABLE = {
     "ctrl+i": "tab",
     "ctrl+m": "enter",
@@ -115,7 +113,7 @@ def _read_entries(path: Path) -> Iterable[tuple[int, str, str]]:
 
 
 def _checked_key(where: str, command: Command, key: str) -> str:
-    name = _character_to_key(key) if len(key) == 1 else key.lower()
+    name = key_name(key) if len(key) == 1 else key.lower()
     types = _types_a_character(name)
     if name in _INDISTINGUISHABLE:
         raise ArchoError(

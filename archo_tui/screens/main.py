@@ -182,8 +182,6 @@ class MainScreen(Base[None]):
     @property
     def focus_chain(self) -> list[Widget]:
         """The widgets that tab visits, by panel at every size, buttons and searches last."""
-        for panel in self._panels:  # Textual may not have noticed yet what a class hides.
-            panel._nodes.updated()
         return sorted(super().focus_chain, key=_tab_order)
 
     @property

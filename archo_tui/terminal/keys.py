@@ -7,11 +7,12 @@ ctrl+x only if the layout has an x. https://sw.kovidgoyal.net/kitty/keyboard-pro
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._keyboard_protocol import FUNCTIONAL_KEYS, MODIFIER_FUNCTIONAL_KEYS
-from textual.keys import _character_to_key
+from textual.keys import ASCII_KEY_NAMES, KEY_NAME_REPLACEMENTS
 
 # The QWERTY key on which a letter is printed: under a Russian layout ctrl+x is ctrl+ч for a
 # terminal that does not tell which key was pressed.
@@ -23,6 +24,15 @@ _ALPHABETS = (
 _ON_QWERTY = {
     letter: key for row, keys in _ALPHABETS for letter, key in zip(row, keys, strict=True)
 }
+
+
+def key_name(character: str) -> str:
+    """Return Textual's name of the key that types a character, as `x` or `question_mark`."""
+    name = character
+    if not character.isalnum():
+        known = unicodedata.name(character, "") or ASCII_KEY_NAMES.get(character, character)
+        name = known.lower().replace("-", "_").replace(" ", "_")
+    return KEY_NAME_REPLACEMENTS.get(name, name)
 
 
 def on_qwerty(letter: str) -> str:
@@ -49,13 +59,13 @@ def keys_of(sequence: str) -> list[events.Key] | None:
     if named is None:
         return None
     if isinstance(named, str):
-        return [events.Key(_character_to_key(named), named)]
+        return [events.Key(key_name(named), named)]
     return [events.Key(key.value, None) for key in named] if isinstance(named, tuple) else []
 
 
 def alt_key(character: str) -> events.Key:
     """Return the key that an escape before a character means; it types nothing."""
-    name = _character_to_key(character)
+    name = key_name(character)
     return events.Key(f"alt+shift+{name.lower()}" if name.isupper() else f"alt+{name}", None)
 
 
@@ -86,10 +96,10 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
         typed = [untold] if untold else []
     if typed:
         lower = held & _CAPS_LOCK and not held & _SHIFT
-        return [_key(_character_to_key(c.lower() if lower else c), c, held) for c in typed]
+        return [_key(key_name(c.lower() if lower else c), c, held) for c in typed]
     if not character.isascii():
         character = _printable(base) or on_qwerty(character)
-    return [_key(_character_to_key(character.lower()), "", held)]
+    return [_key(key_name(character.lower()), "", held)]
 
 
 def _key(name: str, character: str, held: int) -> events.Key:

@@ -49,8 +49,8 @@ class Button(widgets.Button, inherit_css=False):
 
     def press(self) -> Button:
         """Run the command or call the function at once; nothing if disabled or hidden."""
+        super().press()
         if not self.disabled and self.display:
-            self._start_active_affect()
             if isinstance(self._does, str):
                 cast("RunsCommands", self.app).action_command(self._does)
             else:

@@ -88,8 +88,7 @@ class Field(Input, inherit_css=False):
         else:
             super()._forward_event(event)
 
-    def _watch_value(self, value: str) -> None:
-        super()._watch_value(value)
+    def watch_value(self) -> None:
         if self.is_mounted:
             self._changed()
 

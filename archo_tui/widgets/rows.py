@@ -171,7 +171,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         elif size != self.virtual_size:
             self.virtual_size = size
             self._scroll_to_cursor()
-            if self._is_scrollable != had_bar:  # Textual checks it on resize only.
+            if (total > self.container_size.height) != had_bar:  # Textual checks it on resize only.
                 self._refresh_scrollbars()
             self.refresh()
             if self.show_vertical_scrollbar != had_bar:  # The bar takes a column.
@@ -204,10 +204,6 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
             return self._draw(item, self._width, self.columns)
         except Exception as error:  # The other items go on.
             return [(not_drawn(error), "$warn")]
-
-    @property
-    def _is_scrollable(self) -> bool:
-        return self.virtual_size.height > self.container_size.height
 
     def _longest_line(self) -> int:
         measured = range(min(len(self._items), _MAX_MEASURED))

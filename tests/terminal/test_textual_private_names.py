@@ -31,22 +31,20 @@ KNOWN = {
     "app.py": "_bindings _handle_exception",
     "cli/look.py": "_exit",  # os's
     "launch/child_process.py": "_exit",  # os's
-    "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings _check_bindings",
     "screens/base.py": "_background_screens _compositor _compositor_refresh _dirty_regions "
     "_dirty_widgets",
     "screens/confirm.py": "_bindings",
-    "screens/main.py": "_compositor_refresh _nodes _screen_resized",
+    "screens/main.py": "_compositor_refresh _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code _styles_cache",
     "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
     "_sigcont_application _sigtstp_application _writer_thread",
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
-    "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
+    "terminal/keys.py": "_ansi_sequences _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",
     "terminal/stop_marks.py": "_prevent",
-    "widgets/button.py": "_start_active_affect",
-    "widgets/field.py": "_forward_event _watch_value",
+    "widgets/field.py": "_forward_event",
     "widgets/rows.py": "_refresh_scrollbars",
 }
 
@@ -146,7 +144,7 @@ def test_its_private_names_that_the_console_uses_are_these_and_still_there() -> 
 
 
 def test_the_tables_of_what_terminals_send_are_there() -> None:
-    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py, terminal/keys.py and others
+    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # terminal/keys.py and others
     assert table["\x18"] == (Keys.ControlX,)
     assert table["\x1bOp"] == "0"
     assert _keyboard_protocol.FUNCTIONAL_KEYS["27u"] == "escape"  # terminal/keys.py
