@@ -14,14 +14,13 @@ from archo_tui.commands.base import (
     VerbCommand,
     Work,
 )
-from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.station.station import Station
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
-from archo_tui.verbs.show import ShowDiagnostics, forget
+from archo_tui.verbs.show import ShowDiagnostics
 from archo_tui.verbs.verb import Verb
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.panels import PANELS
@@ -43,18 +42,16 @@ class ShowAlarms(Command):
     help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.lists import AlarmList
+        from archo_tui.commands.lists import AlarmList
         from archo_tui.screens.request import AnswerRequest
 
-        station, waiting = desk.station, desk.station.approvals.waiting
+        waiting = desk.station.approvals.waiting
         if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
             on_end = partial(_answer, desk), desk.live.drop_following_keys
             seen = (lambda: desk.live.is_stuck), (lambda: desk.live.input)
             desk.live.open(AnswerRequest(waiting[0], desk.view, *seen, *on_end))
             return
-        forget_part = partial(_forget, desk)
-        changes = station.acknowledge, station.shelve, desk.update_screen, forget_part
-        desk.live.open(AlarmList(desk.view, *changes))
+        desk.live.open(AlarmList(desk))
 
 
 class ListDiagnostics(Command):
@@ -62,13 +59,9 @@ class ListDiagnostics(Command):
     help = ShowDiagnostics.help
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.lists import DiagnosticList
+        from archo_tui.commands.lists import DiagnosticList
 
-        desk.live.open(DiagnosticList(desk.view, partial(_forget, desk)))
-
-
-def _forget(desk: Desk, part: Diagnostic) -> None:
-    desk.report_failure(forget(desk.station, part))
+        desk.live.open(DiagnosticList(desk))
 
 
 class OperateOtherRobot(Command):

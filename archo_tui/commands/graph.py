@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from archo_tui.commands.base import IN_PANEL, Command, Desk
-from archo_tui.commands.generic import AnyTopic
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.messages import ros2_command
-from archo_tui.robot.messages.definitions import definitions_text
 from archo_tui.robot.state.graph import TOPIC
-from archo_tui.robot.state.topic import TopicView
 from archo_tui.widgets.graph_panel import GraphPanel
-
-if TYPE_CHECKING:
-    from archo_tui.screens.topic import WatchedTopic
 
 
 class ShowResource(Command):
@@ -36,7 +26,7 @@ class ShowResource(Command):
         row = desk.main.graph.selected
         assert row is not None
         if row.resource.kind == TOPIC:
-            show_topic(desk, row.resource.name, row.resource.types, _step_in_graph)
+            show_topic(desk, row.resource.name, row.resource.types, in_graph=True)
         else:
             desk.live.open(ShowText(row.resource.name, row.details))
 
@@ -46,38 +36,13 @@ class ShowFrames(Command):
     help = "Show the transforms: parents, ages, rates, and what is wrong"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.lists import FrameList
+        from archo_tui.commands.lists import FrameList
 
-        desk.live.open(FrameList(desk.view, desk.station.robot.listen_to_frames))
-
-
-def _step_in_graph(desk: Desk, by: int) -> WatchedTopic | None:
-    """Move Graph's cursor to the topic below (1) or above (-1), and return it; None if none."""
-    row = desk.main.graph.step(by, TOPIC)
-    return None if row is None else _watched(desk, row.resource.name, row.resource.types)
+        desk.live.open(FrameList(desk))
 
 
-def show_topic(
-    desk: Desk,
-    name: str,
-    types: Sequence[str],
-    step: Callable[[Desk, int], WatchedTopic | None] = lambda *_: None,
-) -> None:
+def show_topic(desk: Desk, name: str, types: Sequence[str], *, in_graph: bool = False) -> None:
     """Open the dialog of a topic, with its live fields, plots, definition and QoS."""
-    from archo_tui.screens.topic import TopicDialog
+    from archo_tui.commands.topic_dialog import TopicDialog
 
-    desk.live.open(TopicDialog(_watched(desk, name, types), partial(step, desk)))
-
-
-def _watched(desk: Desk, name: str, types: Sequence[str]) -> WatchedTopic:
-    from archo_tui.screens.topic import WatchedTopic
-
-    def copy(view: TopicView) -> None:
-        command = ros2_command.echo(name, view.type)
-        desk.live.copy_to_clipboard(command)
-        desk.show_message(command, title="Copied the command")
-
-    follow = partial(desk.station.robot.follow_topic, name)
-    commands = (command for command in desk.registry if isinstance(command, AnyTopic))
-    publish = next((partial(command.open_form, desk, name) for command in commands), None)
-    return WatchedTopic(name, follow, partial(in_daemon, definitions_text, types), copy, publish)
+    desk.live.open(TopicDialog(desk, name, types, in_graph=in_graph))

@@ -2,22 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 from archo_tui.commands.base import IN_PANEL, Command, Desk, Work
-from archo_tui.commands.graph import show_topic
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Hosted
-from archo_tui.station.station import Station
-from archo_tui.station.view import View
-from archo_tui.text.nodes import NodeRow, node_rows
-from archo_tui.user_code.usage import Usage, usage_text
 from archo_tui.widgets.nodes_panel import NodesPanel
-
-_USAGE_PERIOD = 1.0  # Seconds between two measurements.
-_GONE = "? not on the graph any more"
 
 
 class _NodeCommand(Command):
@@ -89,49 +76,11 @@ class ShowNode(Command):
     def run(self, desk: Desk) -> None:
         row = desk.main.nodes.selected
         assert row is not None
-        open_node_dialog(desk, row)
+        open_node_dialog(desk, row.name)
 
 
-async def _follow_usage(station: Station, name: str, show: Callable[[str], None]) -> None:
-    """Show each second what a node or program of this process takes; nothing for any other."""
-    before: Usage | None = None
-    measured = 0.0
-    while (now := await in_daemon(station.host.usage, name)) is not None:
-        at = station.clock.monotonic()
-        show(usage_text(before, now, at - measured))
-        before, measured = now, at
-        await station.clock.sleep(_USAGE_PERIOD)
-
-
-def open_node_dialog(desk: Desk, row: NodeRow) -> None:
+def open_node_dialog(desk: Desk, name: str) -> None:
     """Open the dialog of a node with its state, topics and services, log level and lifecycle."""
-    from archo_tui.screens.node import NodeDialog
+    from archo_tui.commands.node_dialog import NodeDialog
 
-    def tell(view: View) -> str:
-        now = next((new for new in node_rows(view) if new.name == row.name), None)
-        return _GONE if now is None else now.details(view.second, view.snapshot)
-
-    robot, verb, station = desk.station.robot, desk.verbs["log_level"], desk.station
-
-    async def set_level(level: str) -> Outcome:
-        return await verb.run(station, {"node": row.name, "level": level})
-
-    def change_lifecycle(word: str) -> Work | None:
-        values = {"node": row.name, "transition": word}
-        return desk.run_verb(desk.verbs["lifecycle"], values)
-
-    refused = verb.refusal(station)
-    describe = partial(robot.describe, row.name)
-    desk.live.open(
-        NodeDialog(
-            row.name,
-            tell,
-            desk.view,
-            describe,
-            set_level,
-            change_lifecycle,
-            refused,
-            partial(show_topic, desk),
-            partial(_follow_usage, station, row.name),
-        )
-    )
+    desk.live.open(NodeDialog(desk, name))

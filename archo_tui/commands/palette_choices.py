@@ -252,7 +252,7 @@ def _edit_parameter(desk: Desk, node: str, name: str) -> None:
 
 def _node_choices(desk: Desk) -> Iterator[Choice]:
     for row in node_rows(desk.view):
-        act = partial(nodes.open_node_dialog, desk, row)
+        act = partial(nodes.open_node_dialog, desk, row.name)
         yield Choice(f"Node {row.name.lstrip('/')}", act, words="info details")
 
 

@@ -10,7 +10,7 @@ import pytest
 from textual.binding import Binding
 from textual.widgets import Button, Input
 
-from archo_tui import screens
+from archo_tui import commands, screens
 from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
@@ -97,7 +97,9 @@ def test_every_key_stands_in_the_table_once() -> None:
         assert command.key not in there
         if command.key:
             there[command.key] = command.id
-    for name in ("keyed_app", *(f"screens.{one.name}" for one in iter_modules(screens.__path__))):
+    rooms = {"screens": screens.__path__, "commands": commands.__path__}
+    files = [f"{room}.{one.name}" for room, path in rooms.items() for one in iter_modules(path)]
+    for name in ("keyed_app", *files):
         module = import_module(f"archo_tui.{name}")
         for thing in vars(module).values():
             if isinstance(thing, type) and thing.__module__ == module.__name__:

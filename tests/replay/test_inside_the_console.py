@@ -15,7 +15,7 @@ from weakref import WeakSet
 
 import pytest
 
-from archo_tui.commands import recordings
+from archo_tui.commands import lists
 from archo_tui.commands.base import IN_PANEL
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.paths import state_file
@@ -287,11 +287,11 @@ async def test_no_replay_opens_over_a_dialog_that_was_opened_after_enter(
     is_read = asyncio.Event()
 
     async def slow(work: Any, *arguments: Any) -> Any:
-        if work is recordings._open:
+        if work is lists._open:
             await is_read.wait()
         return await in_daemon(work, *arguments)
 
-    monkeypatch.setattr(recordings, "in_daemon", slow)
+    monkeypatch.setattr(lists, "in_daemon", slow)
     async with recorded() as op:
         for _ in range(2):  # The second list lies over the first.
             await list_recordings(op)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.clock import time_of_day
+from archo_tui.commands.lists import AlarmRow, alarm_lines
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.frames import Frame, Transforms
 from archo_tui.robot.state.goal import Phase
@@ -15,7 +16,6 @@ from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file.model import FrameRule, TopicRule
-from archo_tui.screens.lists import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
 from archo_tui.station.alarms import (

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from functools import partial
-from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -13,17 +11,23 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Static
 
+from archo_tui.commands.base import Desk
+from archo_tui.commands.graph import show_topic
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import LEVELS, NodeInfo
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
-from archo_tui.text.nodes import graph_lines
+from archo_tui.text.nodes import graph_lines, node_rows
+from archo_tui.user_code.usage import usage_text
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import content
 
+_USAGE_PERIOD = 1.0  # Seconds between two measurements.
+_GONE = "? not on the graph any more"
 _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
@@ -37,30 +41,13 @@ class NodeDialog(Dialog[None]):
         ("right", "app.focus_next", "The next level"),
     ]
 
-    def __init__(
-        self,
-        name: str,
-        state_text: Callable[[View], str],  # Returns what is known without asking the node.
-        view: View,
-        # Asks the graph and the node; an outcome if that fails.
-        describe: Callable[[], Awaitable[NodeInfo | Outcome]],
-        set_level: Callable[[str], Awaitable[Outcome]],  # One of `LEVELS`.
-        # With a transition's word; None after asking a question first.
-        change_lifecycle: Callable[[str], Coroutine[Any, Any, None] | None],
-        disabled_reason: str,  # Of level and lifecycle.
-        # Opens the dialog of a topic by its full name and types.
-        show_topic: Callable[[str, Sequence[str]], None],
-        # Shows, again and again, the processor time and memory of one that runs here.
-        follow_usage: Callable[[Callable[[str], None]], Coroutine[Any, Any, None]],
-    ) -> None:
+    def __init__(self, desk: Desk, name: str) -> None:
         super().__init__()
-        self._node, self._state_text, self._view = name, state_text, view
-        self._disabled_reason = disabled_reason
-        self._describe, self._set_level = describe, set_level
-        self._change_lifecycle, self._show_topic = change_lifecycle, show_topic
-        self._follow_usage = follow_usage
+        self._desk, self._node, self._view = desk, name, desk.view
+        # Of level and lifecycle.
+        self._disabled_reason = desk.verbs["log_level"].refusal(desk.station)
         self._topics: dict[str, str] = {}  # The types of those that it publishes or subscribes to.
-        self._lifecycle = _lifecycle(view, name)
+        self._lifecycle = _lifecycle(desk.view, name)
         self._transitions: tuple[str, ...] = ()
         self._asked = 0  # The questions so far: only the answer to the last one is shown.
         self._replacing = asyncio.Lock()  # Held while the buttons are replaced.
@@ -86,12 +73,24 @@ class NodeDialog(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
         start_worker(self, self._update_details, _GROUP)
-        start_worker(self, partial(self._follow_usage, self._show_usage), _GROUP)
+        start_worker(self, self._follow_usage, _GROUP)
 
-    def _show_usage(self, text: str) -> None:
-        for line in self.query("#node-usage"):
-            line.display = True
-        self.set_text("#node-usage", Content(f"takes       {text}"))
+    async def _follow_usage(self) -> None:
+        """Show each second what a node or program of this process takes; nothing for any other."""
+        station, before, measured = self._desk.station, None, 0.0
+        while (now := await in_daemon(station.host.usage, self._node)) is not None:
+            at = station.clock.monotonic()
+            for line in self.query("#node-usage"):
+                line.display = True
+            text = usage_text(before, now, at - measured)
+            self.set_text("#node-usage", Content(f"takes       {text}"))
+            before, measured = now, at
+            await station.clock.sleep(_USAGE_PERIOD)
+
+    def _state_text(self, view: View) -> str:
+        """Return what is known without asking the node."""
+        row = next((row for row in node_rows(view) if row.name == self._node), None)
+        return _GONE if row is None else row.details(view.second, view.snapshot)
 
     def show_view(self, view: ScreenState) -> None:
         """Show the state once a second, and when a node here starts or ends.
@@ -112,7 +111,7 @@ class NodeDialog(Dialog[None]):
         """Ask the graph and the node for the details; show the last answer only."""
         self._asked += 1
         turn = self._asked
-        answer = await self._describe()
+        answer = await self._desk.station.robot.describe(self._node)
         if turn == self._asked:
             await self._show(answer)
 
@@ -159,7 +158,7 @@ class NodeDialog(Dialog[None]):
             self.dismiss()
             return
         rows = [
-            Choice(name, partial(self._show_topic, name, types.split(", ")), types)
+            Choice(name, partial(show_topic, self._desk, name, types.split(", ")), types)
             for name, types in sorted(self._topics.items())
         ]
         self.app.push_screen(Choose(f"Topics of {self._node.lstrip('/')}", rows))
@@ -171,7 +170,8 @@ class NodeDialog(Dialog[None]):
         if self._disabled_reason:
             self.refuse(self._disabled_reason)
             return
-        work = self._change_lifecycle(word)
+        values = {"node": self._node, "transition": word}
+        work = self._desk.run_verb(self._desk.verbs["lifecycle"], values)
         if work is not None:
             start_worker(self.app, lambda: work, COMMANDS)
 
@@ -182,7 +182,8 @@ class NodeDialog(Dialog[None]):
             start_worker(self.app, partial(self._send_level, level), COMMANDS)
 
     async def _send_level(self, level: str) -> None:
-        outcome = await self._set_level(level)
+        values = {"node": self._node, "level": level}
+        outcome = await self._desk.verbs["log_level"].run(self._desk.station, values)
         self.is_asking = False
         if not outcome.ok:
             self.refuse(outcome.text)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import textwrap
-from collections.abc import Awaitable, Callable, Iterable, Sequence
-from contextlib import AbstractAsyncContextManager
+from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
 from functools import partial
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding
@@ -16,7 +15,13 @@ from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
 
+from archo_tui.clock import Clock
+from archo_tui.commands.base import Desk
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog, Form
 from archo_tui.station.alarm_board import SHELF_TIME
@@ -27,8 +32,12 @@ from archo_tui.terminal.app import start_worker
 from archo_tui.text.alarm import no_alarms_text, timeline
 from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
 from archo_tui.text.frames import transform_lines
+from archo_tui.verbs.show import forget
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, crop
 from archo_tui.widgets.screen_state import ScreenState
+
+if TYPE_CHECKING:
+    from archo_tui.recordings.replay.player import Player
 
 T = TypeVar("T")
 _INDENT = " " * 8
@@ -89,47 +98,38 @@ class AlarmList(ListDialog[AlarmRow]):
 
     keys_text = f"a acknowledge   A all   s shelve for {_SHELF} or unshelve   esc close"
 
-    def __init__(
-        self,
-        view: ScreenState,
-        acknowledge: Callable[[Iterable[Alarm]], None],
-        # With a reason (may be ""), or unshelves a shelved one.
-        shelve: Callable[[Alarm, str], None],
-        # Called after something was acknowledged, shelved or unshelved.
-        on_change: Callable[[], None],
-        forget: Callable[[Diagnostic], None],  # Or says why not.
-    ) -> None:
+    def __init__(self, desk: Desk) -> None:
         rows: Rows[AlarmRow] = Rows(
             alarm_lines, lambda row: row.alarm.name, id="alarms", empty="", wraps=True
         )
         super().__init__("Alarms", rows)
-        self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
-        self._on_change, self._forget = on_change, forget
+        self._desk = desk
 
     def on_mount(self) -> None:
-        self.show_view(self._view)
+        self.show_view(self._desk.view)
 
     def show_view(self, view: ScreenState) -> None:
         """Show the alarms of a new view."""
-        self._view = view
         self.rows.empty = no_alarms_text(view.snapshot)
         self.show_items([AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms])
 
     def action_acknowledge(self) -> None:
         if self.rows.item is not None:
             self._acknowledge([self.rows.item.alarm])
-            self._on_change()
 
     def action_acknowledge_all(self) -> None:
         """Acknowledge all alarms that are shown."""
-        self._acknowledge(self._view.alarms)
-        self._on_change()
+        self._acknowledge([row.alarm for row in self.rows.items])
+
+    def _acknowledge(self, alarms: Iterable[Alarm]) -> None:
+        self._desk.station.acknowledge(alarms)
+        self._desk.update_screen()
 
     def action_open_diagnostics(self) -> None:
         """List the robot's parts over this dialog, if the alarm under the cursor is about one."""
         row = self.rows.item
         if row is not None and is_diagnostic(row.alarm):
-            self.app.push_screen(DiagnosticList(self._view, self._forget))
+            self.app.push_screen(DiagnosticList(self._desk))
 
     def action_shelve(self) -> None:
         """Shelve the alarm under the cursor, asking why if it is a high one, or unshelve it."""
@@ -138,8 +138,8 @@ class AlarmList(ListDialog[AlarmRow]):
         alarm = self.rows.item.alarm
 
         def shelve(reason: str) -> None:
-            self._shelve(alarm, reason)
-            self._on_change()
+            self._desk.station.shelve(alarm, reason)
+            self._desk.update_screen()
 
         if alarm.priority == Priority.HIGH and alarm.state != AlarmState.SHELVED:
             self.app.push_screen(ShelveReason(alarm, shelve))
@@ -186,15 +186,15 @@ class DiagnosticList(ListDialog[_Part]):
         Binding("enter", "close", "Close"),
     ]
 
-    def __init__(self, view: View, forget: Callable[[Diagnostic], None]) -> None:
+    def __init__(self, desk: Desk) -> None:
         rows: Rows[_Part] = Rows(
             _part_lines, lambda part: part.status.key, id="diagnostics", empty="", wraps=True
         )
         super().__init__("Diagnostics", rows)
-        self._view, self._forget = view, forget
+        self._desk = desk
 
     def on_mount(self) -> None:
-        self.show_view(self._view)
+        self.show_view(self._desk.view)
 
     def show_view(self, view: View) -> None:
         """Show the parts of a new view."""
@@ -208,7 +208,7 @@ class DiagnosticList(ListDialog[_Part]):
     def action_forget(self) -> None:
         """Forget the part under the cursor."""
         if self.rows.item is not None:
-            self._forget(self.rows.item.status)
+            self._desk.report_failure(forget(self._desk.station, self.rows.item.status))
 
 
 def _part_lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
@@ -220,7 +220,7 @@ def _part_lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
 class FrameList(ListDialog[str]):
     """A list of the transforms, which are received while it is open; it changes each second."""
 
-    def __init__(self, view: View, listen: Callable[[], AbstractAsyncContextManager[Any]]) -> None:
+    def __init__(self, desk: Desk) -> None:
         rows: Rows[str] = Rows(
             lambda line, width, _: [(part, "") for part in textwrap.wrap(line, max(width, 20))],
             lambda line: line.partition(":")[0],
@@ -229,14 +229,14 @@ class FrameList(ListDialog[str]):
             wraps=True,
         )
         super().__init__("Transforms", rows)
-        self._view, self._listen = view, listen
+        self._desk = desk
 
     def on_mount(self) -> None:
-        self.show_view(self._view)
+        self.show_view(self._desk.view)
         start_worker(self, self._receive, "transforms")
 
     async def _receive(self) -> None:
-        async with self._listen():
+        async with self._desk.station.robot.listen_to_frames():
             await asyncio.Event().wait()  # It is cancelled when the dialog closes.
 
     def show_view(self, view: View) -> None:
@@ -261,14 +261,8 @@ class RecordingList(ListDialog[Recording]):
 
     keys_text = "enter play   y copy the command   d delete   esc close"
 
-    def __init__(
-        self,
-        recordings: Sequence[Recording],  # The newest first.
-        # Opens a recording; keys wait until that ends.
-        play: Callable[[Recording], Awaitable[None]],
-        copy: Callable[[Recording], None],  # Copies the command that plays it.
-        delete: Callable[[Recording], None],  # May ask first.
-    ) -> None:
+    def __init__(self, desk: Desk, recordings: Sequence[Recording]) -> None:
+        """Create the list; the newest recording comes first."""
         rows: Rows[Recording] = Rows(
             recording_lines,
             lambda recording: recording.name,
@@ -277,7 +271,7 @@ class RecordingList(ListDialog[Recording]):
             empty="No recordings.",
         )
         super().__init__("Recordings", rows)
-        self._recordings, self._play, self._copy, self._delete = recordings, play, copy, delete
+        self._desk, self._recordings = desk, recordings
 
     def on_mount(self) -> None:
         self.rows.show_cursor()
@@ -287,20 +281,70 @@ class RecordingList(ListDialog[Recording]):
         """Open the recording under the cursor; keys wait, and a second call is ignored."""
         if self.rows.item is not None and not self.is_asking:
             self.is_asking = True
-            start_worker(self.app, partial(self._wait_for, self.rows.item), "replay")
+            start_worker(self.app, partial(self._play, self.rows.item), "replay")
 
-    async def _wait_for(self, recording: Recording) -> None:
+    async def _play(self, recording: Recording) -> None:
+        """Load a recording on another thread; show it in place of the list, or say why not."""
         try:
-            await self._play(recording)
+            player = await in_daemon(_open, recording, self._desk.station.clock)
+        except ArchoError as error:
+            said = str(error)
+        except Exception as error:  # A damaged file may raise anything; the live console goes on.
+            said = f"{recording.name}: {in_one_line(error)}"
+        else:
+            if self.is_active and not self.is_dismissed:
+                self.dismiss()
+                self._desk.live.begin_replay(player)
+                return
+            player.close()
+            said = "another dialog was opened meanwhile"
         finally:
             self.is_asking = False
+        if not self.is_dismissed:
+            self._refuse(f"not played: {said}")
+
+    def _refuse(self, text: str) -> None:
+        self._desk.report_failure(Outcome(Code.REFUSED, text))
 
     def action_copy(self) -> None:
         """Copy the command that plays the recording under the cursor; nothing without one."""
         if self.rows.item is not None:
-            self._copy(self.rows.item)
+            command = f"archo-tui replay {self.rows.item.name}"
+            self._desk.live.copy_to_clipboard(command)
+            self._desk.show_message(command, title="Copied the command")
 
     def action_delete(self) -> None:
-        """Pass the recording under the cursor to `delete`; nothing happens without one."""
+        """Ask, and delete the recording under the cursor; nothing happens without one."""
         if self.rows.item is not None:
-            self._delete(self.rows.item)
+            name = self.rows.item.name
+            answers = {"Delete": partial(self._delete, self.rows.item)}
+            question = f"Delete {name}? It is gone then."
+            self._desk.live.confirm("Delete a recording", question, "Keep it", answers)
+
+    async def _delete(self, recording: Recording) -> None:
+        try:
+            await in_daemon(store.delete, recording)
+        except OSError as error:
+            self._refuse(f"not deleted: {error.strerror or error}")
+        else:
+            note = f"recording {recording.name} deleted"
+            self._desk.station.robot.note("YOU", "console", note)
+        found = await list_recordings(self._desk)
+        if found is not None and not self.is_dismissed:
+            self.show_items(found)
+
+
+def _open(recording: Recording, clock: Clock) -> Player:
+    from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
+
+    bag = open_bag(str(recording.folder))
+    return make_player(bag, load_robot_file(bag, ""), clock)
+
+
+async def list_recordings(desk: Desk) -> list[Recording] | None:
+    """Return the recordings, newest first, or None after showing why they cannot be read."""
+    try:
+        return await in_daemon(store.own_recordings)
+    except ArchoError as error:
+        desk.report_failure(Outcome(Code.REFUSED, str(error)))
+        return None

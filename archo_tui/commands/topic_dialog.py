@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
@@ -12,8 +12,12 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Static
 
+from archo_tui.commands.base import Desk
+from archo_tui.commands.generic import AnyTopic
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.state.graph import TopicInfo
+from archo_tui.robot.messages import ros2_command
+from archo_tui.robot.messages.definitions import definitions_text
+from archo_tui.robot.state.graph import TOPIC, TopicInfo
 from archo_tui.robot.state.topic import (
     SHOWN_ELEMENTS,
     FieldKind,
@@ -53,20 +57,6 @@ _KEYS = "p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
 _FOLD_KEYS = "enter fold"
 _ELEMENT_KEYS = "i element"  # Behind them while an array is open.
-Follow = Callable[
-    [Callable[[], TopicRequest], Callable[[TopicView], None]], Coroutine[Any, Any, None]
-]
-
-
-class WatchedTopic(NamedTuple):
-    """A topic to show in the dialog, with what the dialog calls."""
-
-    name: str
-    follow: Follow  # Gets what returns the needed parts, and what takes each view; cancel it.
-    read_type: Callable[[], Awaitable[str]]  # The definition as text.
-    copy: Callable[[TopicView], None]  # Copies the command that shows the topic in a shell.
-    # Opens the form of a message to publish; None in a replay.
-    publish: Callable[[], Coroutine[Any, Any, None]] | None = None
 
 
 class _DrawnField(NamedTuple):
@@ -102,13 +92,12 @@ class TopicDialog(Dialog[None]):
         ("right", "step(1)", "Look into the topic below, in Graph"),
     ]
 
-    def __init__(
-        self, topic: WatchedTopic, step: Callable[[int], WatchedTopic | None] = lambda _: None
-    ) -> None:
-        """Create the dialog; `step` returns the topic below (1) or above (-1), or None."""
+    def __init__(self, desk: Desk, name: str, types: Sequence[str], *, in_graph: bool) -> None:
+        """Create the dialog; `in_graph` if the arrows lead to the topics beside, in Graph."""
         super().__init__()
-        self._topic, self._step = topic, step
-        self._view = TopicView(topic.name)
+        self._desk, self._in_graph = desk, in_graph
+        self._topic, self._types = name, types
+        self._view = TopicView(name)
         self._folded: set[str] = set()  # The groups that are folded, by path.
         self._open_arrays: Mapping[str, int] = {}
         self._plotted: list[str] = []
@@ -132,7 +121,7 @@ class TopicDialog(Dialog[None]):
 
     def body(self) -> ComposeResult:
         with self._box:
-            self._box.border_title = escape(self._topic.name)
+            self._box.border_title = escape(self._topic)
             yield self._summary
             yield self._titles
             yield self._rows
@@ -151,7 +140,8 @@ class TopicDialog(Dialog[None]):
 
     async def _follow_topic(self) -> None:
         topic = self._topic
-        await topic.follow(self._request, partial(self._receive, topic))
+        show = partial(self._receive, topic)
+        await self._desk.station.robot.follow_topic(topic, self._request, show)
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._show_again)
@@ -188,8 +178,8 @@ class TopicDialog(Dialog[None]):
             plot_columns(self._plot.size.width) if self._plotted else 0,
         )
 
-    def _receive(self, topic: WatchedTopic, view: TopicView) -> None:
-        if topic is not self._topic or self.is_dismissed:
+    def _receive(self, topic: str, view: TopicView) -> None:
+        if topic != self._topic or self.is_dismissed:
             return
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
@@ -309,8 +299,9 @@ class TopicDialog(Dialog[None]):
             self.dismiss()
 
     def action_publish(self) -> None:
-        if self._topic.publish is not None:
-            start_worker(self.app, self._topic.publish, COMMANDS)
+        commands = (command for command in self._desk.registry if isinstance(command, AnyTopic))
+        for command in commands:  # There is none in a replay.
+            start_worker(self.app, partial(command.open_form, self._desk, self._topic), COMMANDS)
 
     def action_narrow(self) -> None:
         """Open the search field, which narrows the list to the fields whose path has a text."""
@@ -369,7 +360,7 @@ class TopicDialog(Dialog[None]):
                 shown = await in_daemon(view.with_elements, view, self._open_arrays)
         finally:
             self.is_asking = False
-        if topic is not self._topic or self.is_dismissed:
+        if topic != self._topic or self.is_dismissed:
             return
         if self._is_frozen:  # A newer view has the same message.
             view, shown = (
@@ -400,11 +391,12 @@ class TopicDialog(Dialog[None]):
 
     def action_step(self, by: int) -> None:
         """Show the topic below (1) or above (-1) in the Graph in place of this one, all anew."""
-        topic = self._step(by)
-        if topic is None:
+        row = self._desk.main.graph.step(by, TOPIC) if self._in_graph else None
+        if row is None:
             return
         self.workers.cancel_group(self, _GROUP)
-        self._topic, self._view = topic, TopicView(topic.name)
+        self._topic, self._types = row.resource.name, row.resource.types
+        self._view = TopicView(self._topic)
         self._folded.clear()
         self._open_arrays = {}
         self._element.close()
@@ -423,7 +415,9 @@ class TopicDialog(Dialog[None]):
 
     def action_copy(self) -> None:
         """Copy the command that shows the topic in a shell, and say so."""
-        self._topic.copy(self._view)
+        command = ros2_command.echo(self._topic, self._view.type)
+        self._desk.live.copy_to_clipboard(command)
+        self._desk.show_message(command, title="Copied the command")
 
     def action_show_type(self) -> None:
         """Read the definition of the type, and show it in a dialog over this one; keys wait."""
@@ -434,8 +428,8 @@ class TopicDialog(Dialog[None]):
     async def _show_type(self) -> None:
         topic = self._topic
         try:
-            text = await topic.read_type()
+            text = await in_daemon(definitions_text, self._types)
         finally:
             self.is_asking = False
-        if topic is self._topic and not self.is_dismissed:
-            self.app.push_screen(ShowText(topic.name, text))
+        if topic == self._topic and not self.is_dismissed:
+            self.app.push_screen(ShowText(topic, text))
