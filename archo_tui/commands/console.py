@@ -43,15 +43,13 @@ class ShowAlarms(Command):
 
     def run(self, desk: Desk) -> None:
         from archo_tui.commands.lists import AlarmList
-        from archo_tui.screens.request import AnswerRequest
+        from archo_tui.commands.request import AnswerRequest
 
         waiting = desk.station.approvals.waiting
         if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
-            on_end = partial(_answer, desk), desk.live.drop_following_keys
-            seen = (lambda: desk.live.is_stuck), (lambda: desk.live.input)
-            desk.live.open(AnswerRequest(waiting[0], desk.view, *seen, *on_end))
-            return
-        desk.live.open(AlarmList(desk))
+            desk.live.open(AnswerRequest(desk, waiting[0]))
+        else:
+            desk.live.open(AlarmList(desk))
 
 
 class ListDiagnostics(Command):
@@ -99,11 +97,6 @@ class OperateOtherRobot(Command):
             desk.show_message(reason)
             return
         desk.station.operate(namespace)
-
-
-def _answer(desk: Desk, number: int, allowed: bool) -> None:
-    desk.report_failure(desk.station.approvals.answer(number, allowed=allowed))
-    desk.update_screen()
 
 
 _NOW = "Now"

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Static
+
 from archo_tui.commands.base import Desk, VerbCommand
 from archo_tui.errors import ArchoError
+from archo_tui.screens.dialog import Form
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs.verb import Verb
 
 
@@ -16,17 +23,41 @@ class SaveUnderName(VerbCommand):
         self.verbs = (verb.id, *others)
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_name import AskName
+        desk.live.open(AskName(desk, self.verb))
 
-        station = desk.station
 
-        async def save(name: str) -> str:
-            try:
-                values = await self.verb.prepare(station, self.verb.values([name]))
-                outcome = await self.verb.run(station, values)
-            except (ArchoError, ValueError) as error:
-                return str(error)
-            desk.show_message(outcome.text)
-            return ""
+class AskName(Form):
+    """A dialog with a field for a name, which stays open until the verb with it succeeds."""
 
-        desk.live.open(AskName(self.verb.title, f"{self.help}:", save))
+    submit_label = "Save"
+
+    def __init__(self, desk: Desk, verb: Verb) -> None:
+        super().__init__("name")
+        self._desk, self._verb = desk, verb
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = self._verb.title
+            box.border_subtitle = "enter save   esc cancel"
+            yield Static(Content(f"{self._verb.help}:"))
+            yield self.field
+            yield from self.below_field()
+
+    def submit(self, typed: str) -> None:
+        """Begin to run the verb with the typed name; a second call is ignored."""
+        if not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, lambda: self._save(typed.strip()), COMMANDS)
+
+    async def _save(self, name: str) -> None:
+        station = self._desk.station
+        try:
+            values = await self._verb.prepare(station, self._verb.values([name]))
+            outcome = await self._verb.run(station, values)
+        except (ArchoError, ValueError) as error:
+            self.show_message(str(error))
+        else:
+            self._desk.show_message(outcome.text)
+            self.dismiss()
+        finally:
+            self.is_asking = False

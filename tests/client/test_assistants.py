@@ -15,11 +15,11 @@ from typing import Any
 import pytest
 from textual import events
 
+from archo_tui.commands import request
 from archo_tui.console.printing import Output
 from archo_tui.console.typing import Input
 from archo_tui.keyed_app import HELD
 from archo_tui.paths import journal_file
-from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
 from archo_tui.station import approvals
 from archo_tui.station.station import Station

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 from textual import events
@@ -14,11 +13,12 @@ from textual.events import Resize
 from textual.widget import Widget
 from textual.widgets import Static
 
+from archo_tui.commands.base import Desk
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
-from archo_tui.terminal.stop_marks import InputTime, now
+from archo_tui.terminal.stop_marks import now
 from archo_tui.text import line_by_line
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.notices import NoticeLine
@@ -46,20 +46,9 @@ class AnswerRequest(Dialog[None]):
         ("right", "app.focus_next", "The next answer"),
     ]
 
-    def __init__(
-        self,
-        request: ApprovalRequest,
-        view: View,
-        is_unseen: Callable[[], bool],  # The terminal hides what was drawn.
-        # When the key or click that is being handled was read.
-        input_time: Callable[[], InputTime | None],
-        answer: Callable[[int, bool], None],  # The request's number, True to allow; once at most.
-        on_over: Callable[[str], None],  # Called with a text if the request ends meanwhile.
-    ) -> None:
+    def __init__(self, desk: Desk, request: ApprovalRequest) -> None:
         super().__init__()
-        self._request, self._view = request, view
-        self._is_unseen, self._input_time = is_unseen, input_time
-        self._answer, self._on_over = answer, on_over
+        self._desk, self._request = desk, request
         self._drawn_at = math.inf  # Seconds on the clock of Textual's messages.
         self._text = Static(classes="asked")
         self._allow = Button("Allow once", partial(self._give_answer, True), id="allow")
@@ -76,7 +65,7 @@ class AnswerRequest(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#deny"))
-        self._show_request()
+        self._show_request(self._desk.view)
         self.app.app_resume_signal.subscribe(self, lambda _: self._restart_reading())
 
     def on_unmount(self) -> None:
@@ -117,18 +106,17 @@ class AnswerRequest(Dialog[None]):
 
         While the terminal does not show what was drawn, the time for reading begins anew.
         """
-        self._view = view
         is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
         if not is_waiting and not self.is_dismissed:
-            self._on_over("The request is over")
+            self._desk.live.drop_following_keys("The request is over")
             self.dismiss()
         elif is_waiting:
-            self._show_request()
-            if self._is_unseen() or math.isinf(self._drawn_at):
+            self._show_request(view)
+            if self._desk.live.is_stuck or math.isinf(self._drawn_at):
                 self._restart_reading()
 
-    def _show_request(self) -> None:
-        request, view = self._request, self._view
+    def _show_request(self, view: View) -> None:
+        request = self._request
         values = [f"  {name}: {quoted(value)}" for name, value in request.goal.values.items()]
         lines = [
             f"{request.requester.source} wants: {request.text}",
@@ -147,11 +135,11 @@ class AnswerRequest(Dialog[None]):
             text = "Wait until this message has gone: it hides a part of the request."
             self.notify(text, severity="warning", markup=False)
             return
-        typed = self._input_time()
+        typed = self._desk.live.input
         is_early = (
             typed is None or typed.at - self._drawn_at < READING_TIME or typed.pause < MIN_PAUSE
         )
-        if is_early or self._is_unseen():
+        if is_early or self._desk.live.is_stuck:
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
         is_whole = self._is_end_visible(self._text) and self._is_end_visible(self._allow)
@@ -160,7 +148,10 @@ class AnswerRequest(Dialog[None]):
             self.notify(text, severity="warning", markup=False)
             return
         self.dismiss()  # First, since the answer ends the request, which `show_view` would report.
-        self._answer(self._request.number, is_allowed)
+        station = self._desk.station
+        answer = station.approvals.answer(self._request.number, allowed=is_allowed)
+        self._desk.report_failure(answer)
+        self._desk.update_screen()
 
     def action_scroll(self, step: int) -> None:
         """Scroll down (1) or up (-1) by three lines, by fewer if not so many are visible."""
