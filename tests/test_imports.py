@@ -13,7 +13,7 @@ import archo_tui.app
 from archo_tui.imports import OF_THE_SCREEN, import_the_rest
 dialogs = (
     "archo_tui.screens.confirm",
-    "archo_tui.screens.help",
+    "archo_tui.commands.help",
     "archo_tui.commands.palette_choices",
 )
 print([name in sys.modules for name in dialogs])

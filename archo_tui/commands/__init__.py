@@ -17,7 +17,7 @@ from archo_tui.commands import (
     recordings,
     robot,
 )
-from archo_tui.commands.base import Command, VerbCommand
+from archo_tui.commands.base import Command, PanelKey, VerbCommand
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
@@ -61,7 +61,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         console.ShowAlarms(),
         console.ListDiagnostics(),
         console.OperateOtherRobot(),
-        *(console.PanelKey(panel, described) for panel in PANELS),
+        *(PanelKey(panel, described) for panel in PANELS),
         parameters.Edit(),
         parameters.EditWithInitial(),
         parameters.SwitchBoolean(),

@@ -17,6 +17,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
@@ -26,6 +27,7 @@ from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Question, Values, Verb
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.panels import PANELS
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -293,3 +295,16 @@ class VerbCommand(Command):
 
     def run(self, desk: Desk) -> Work | None:
         return desk.run_verb(self.verb, {})
+
+
+class PanelKey(Command):
+    def __init__(self, panel: type[Panel], robot: RobotFile) -> None:
+        self._number, self.key = panel.number, str(panel.number)
+        self.id = f"panel_{panel.number}"
+        self.help = f"Go to panel {panel.number}, {panel.title_for(robot)}"
+        self.verbs, self.gives_way = tuple(panel.verbs), panel.gives_way
+        if panel is PANELS[0]:
+            self.footer, self.footer_key = "Panels", f"1-{len(PANELS)}"
+
+    def run(self, desk: Desk) -> None:
+        desk.main.focus_panel(self._number)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import (
     EVERYWHERE,
-    NOT_TYPING,
     Answers,
     Command,
     Desk,
     VerbCommand,
     Work,
 )
-from archo_tui.robot_file.model import RobotFile
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.station.station import Station
@@ -22,11 +19,6 @@ from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
 from archo_tui.verbs.show import ShowDiagnostics
 from archo_tui.verbs.verb import Verb
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
-
-if TYPE_CHECKING:
-    from archo_tui.screens.help import Entry
 
 
 class AcknowledgeKey(VerbCommand):
@@ -99,80 +91,24 @@ class OperateOtherRobot(Command):
         desk.station.operate(namespace)
 
 
-_NOW = "Now"
-_FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
-
-
-class PanelKey(Command):
-    def __init__(self, panel: type[Panel], robot: RobotFile) -> None:
-        self._number, self.key = panel.number, str(panel.number)
-        self.id = f"panel_{panel.number}"
-        self.help = f"Go to panel {panel.number}, {panel.title_for(robot)}"
-        self.verbs, self.gives_way = tuple(panel.verbs), panel.gives_way
-        if panel is PANELS[0]:
-            self.footer, self.footer_key = "Panels", f"1-{len(PANELS)}"
-
-    def run(self, desk: Desk) -> None:
-        desk.main.focus_panel(self._number)
-
-
 class ShowHelp(Command):
     id, key, footer = "help", "question_mark", "Help"
     help = "Show the keys of the panel with the focus, and below them all others"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.help import Help
+        from archo_tui.commands.help import Help
 
         front = desk.live.screen
         if isinstance(front, Help):
             front.dismiss()
             return
         panel = desk.main.panel_with_focus if front is desk.main else None
-        desk.live.open(Help(partial(_help_entries, desk, panel)))
+        desk.live.open(Help(desk, panel))
 
 
 class ShowHelpEverywhere(ShowHelp):
     id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
     help = "Show all keys; works in dialogs and while typing, too"
-
-
-def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
-    """Return all keys: first those for the state, those of the focus, and those of everywhere."""
-    from archo_tui.screens.help import Entry
-
-    here = f"Here, in {panel.title_text}" if panel is not None else ""
-    taken = panel.field_keys if panel is not None else ()
-    entries = [Entry(here, key, word, True) for key, word in taken]
-    for command in desk.registry:
-        if isinstance(command, PanelKey):
-            continue
-        entry = _help_entry(desk, command)
-        if entry.key and entry.works and command.id in _FOR_A_STATE:
-            entry = entry._replace(section=_NOW)
-        elif panel is not None and entry.key and command.where != EVERYWHERE:
-            key = panel.other_keys.get(command.id, entry.key)
-            if any(key == other for other, _ in taken):
-                continue
-            if command.panel is type(panel) or command.id in dict(panel.keys):
-                entry = entry._replace(section=here, key=key)
-        if command.id == "release":  # While stopped, that is what is asked for first.
-            entries.insert(0, entry)
-        else:
-            entries.append(entry)
-    panels = sum(isinstance(command, PanelKey) for command in desk.registry)
-    entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
-    first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
-    return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
-
-
-def _help_entry(desk: Desk, command: Command) -> Entry:
-    from archo_tui.screens.help import Entry
-
-    key = desk.view.key(command.id)
-    place = (
-        f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
-    )
-    return Entry(place, key, command.help, not command.disabled_reason(desk))
 
 
 class KeepKey(VerbCommand):

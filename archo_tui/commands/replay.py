@@ -12,9 +12,10 @@ from archo_tui.commands.base import (
     Command,
     ConsoleApp,
     Desk,
+    PanelKey,
     Work,
 )
-from archo_tui.commands.console import PanelKey, Quit
+from archo_tui.commands.console import Quit
 from archo_tui.recordings.replay.player import Player
 from archo_tui.recordings.replay.station import NOTHING_STOPPED, RecordedStation
 from archo_tui.robot.outcome import Code, Outcome

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
-from archo_tui.commands.console import PanelKey
+from archo_tui.commands.base import PanelKey
 from archo_tui.paths import config_file
 from archo_tui.station import form_history
 from archo_tui.terminal import themes

@@ -222,7 +222,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
 
 
 FAILS_WHEN_OPENED = """
-from archo_tui.screens.help import Help
+from archo_tui.commands.help import Help
 def fail(self):
     raise ZeroDivisionError("of the help")
 Help.body = fail

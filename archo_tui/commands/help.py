@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -12,9 +12,11 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
+from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, Command, Desk, PanelKey
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.panel import Panel
 
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
@@ -33,6 +35,10 @@ class Entry(NamedTuple):
     works: bool  # The command can run now.
 
 
+_NOW = "Now"
+_FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
+
+
 class Help(Dialog[None]):
     """A list of all keys, a section for each place where they work; typing searches the list."""
 
@@ -42,10 +48,11 @@ class Help(Dialog[None]):
         ("pagedown", "scroll(1)", "Scroll down"),
     ]
 
-    def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
+    def __init__(self, desk: Desk, panel: Panel | None) -> None:
+        """Create the dialog; the keys of `panel`, which has the focus, come first."""
         super().__init__()
-        self._list_entries = list_entries
-        self._entries = list_entries()
+        self._desk, self._panel = desk, panel
+        self._entries = _help_entries(desk, panel)
         self._scroll = VerticalScroll(can_focus=False)
         self._search = Field(
             id="narrow",
@@ -74,7 +81,7 @@ class Help(Dialog[None]):
 
     def show_view(self, view: View) -> None:
         """Draw the keys again if the entries have changed, such as which of them work now."""
-        entries = self._list_entries()
+        entries = _help_entries(self._desk, self._panel)
         if entries != self._entries:
             self._entries = entries
             self._draw()
@@ -94,6 +101,41 @@ class Help(Dialog[None]):
         for index, column in enumerate(self._columns):
             column.display = index < count
             column.update(Content("\n").join(columns[index]) if index < count else "")
+
+
+def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
+    """Return all keys: first those for the state, those of the focus, and those of everywhere."""
+    here = f"Here, in {panel.title_text}" if panel is not None else ""
+    taken = panel.field_keys if panel is not None else ()
+    entries = [Entry(here, key, word, True) for key, word in taken]
+    for command in desk.registry:
+        if isinstance(command, PanelKey):
+            continue
+        entry = _help_entry(desk, command)
+        if entry.key and entry.works and command.id in _FOR_A_STATE:
+            entry = entry._replace(section=_NOW)
+        elif panel is not None and entry.key and command.where != EVERYWHERE:
+            key = panel.other_keys.get(command.id, entry.key)
+            if any(key == other for other, _ in taken):
+                continue
+            if command.panel is type(panel) or command.id in dict(panel.keys):
+                entry = entry._replace(section=here, key=key)
+        if command.id == "release":  # While stopped, that is what is asked for first.
+            entries.insert(0, entry)
+        else:
+            entries.append(entry)
+    panels = sum(isinstance(command, PanelKey) for command in desk.registry)
+    entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
+    first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
+    return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
+
+
+def _help_entry(desk: Desk, command: Command) -> Entry:
+    key = desk.view.key(command.id)
+    place = (
+        f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
+    )
+    return Entry(place, key, command.help, not command.disabled_reason(desk))
 
 
 def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[list[Content]]:
