@@ -14,7 +14,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from archo_tui.commands import registry
-from archo_tui.commands.base import Answers, Command, Work
+from archo_tui.commands.base import Answers, Command, Desk, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.goals.queue import QueuedGoal
@@ -183,26 +183,33 @@ class ArchoApp(KeyedApp):
             if not counted:
                 self.stops.register()
             self.close_questions()
+        work = self._work_of(command, desk)
+        if name == "stop" and self.replay is not None:
+            self.notify("STOP goes to the live robot, not to the replay.", markup=False)
+        if work is not None:
+            self.run_worker(self._await_command(name, work), group=COMMANDS)
+        elif name == "stop":
+            self.stops.is_not_sent(self.stops.count_when_typed)
+
+    def _work_of(self, command: Command, desk: Desk) -> Work | None:
+        """Run a command, and return what is to be awaited, if anything; or show why it cannot."""
+        name = command.id
         if command.waits_for_answer and (self.repeated or self._waits(name)):
-            return
+            return None
         given = self._sent.get(name)
         held = (
             given is not None and self.station.clock.monotonic() - given.at < command.resend_after
         )
         # A key that is pressed again runs again: something may have happened in between.
         if held and self.repeated and not (command.always_tried and self.stops.superseded):
-            return
+            return None
         reason = command.disabled_reason(desk)
         if reason:
             if not command.always_tried or reason == WATCHING:
                 self.notify(reason, severity="warning", markup=False)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
-                return
-        work = command.run(desk)  # At once: the next key may be meant for what this one focuses.
-        if name == "stop" and self.replay is not None:
-            self.notify("STOP goes to the live robot, not to the replay.", markup=False)
-        if work is not None:
-            self.run_worker(self._await_command(name, work), group=COMMANDS)
+                return None
+        return command.run(desk)  # At once: the next key may be for what this one focuses.
 
     def close_questions(self) -> None:
         """Close the dialogs that a STOP makes invalid, and drop the keys typed for them."""

@@ -35,7 +35,9 @@ from archo_tui.widgets.rows import Rows
 if TYPE_CHECKING:
     from archo_tui.commands.replay import ReplayDesk
 
-HELD = 0.7  # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s.
+# Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s. They count
+# to when the key was surely not typed yet, which is 0.1 s earlier on an idle machine.
+HELD = 0.7
 
 
 class KeyedApp(ConsoleApp):

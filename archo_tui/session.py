@@ -299,7 +299,7 @@ class Session:
         self.robot.note("YOU", "console", f"{left.why}: restarted")
 
     def send_stop(self, when: str) -> None:
-        """Send a STOP that was counted before the frontend came, as soon as it comes."""
+        """Send a STOP that a frontend before has counted, as soon as the next one comes."""
 
         async def send() -> None:
             await self.robot.emergency_stop()

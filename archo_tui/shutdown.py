@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
 from archo_tui.robot.state.goal import Goal
-from archo_tui.system import END_SIGNALS
+from archo_tui.system import CAN_SUSPEND, END_SIGNALS
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot
@@ -151,7 +151,8 @@ def nothing_published_while_suspended(robot: Robot) -> Iterator[None]:
 
     A process that stands still reads no STOP. Does nothing in a thread that gets no signals.
     """
-    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+    is_main = threading.current_thread() is threading.main_thread()
+    if sys.platform == "win32" or not (CAN_SUSPEND and is_main):
         yield
         return
 

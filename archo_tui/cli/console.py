@@ -20,8 +20,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import TextIO
 
+    from archo_tui.app import ArchoApp
     from archo_tui.handover import Handover
-    from archo_tui.robot.robot import Robot
     from archo_tui.session import Session
     from archo_tui.session_options import Launch
 
@@ -112,13 +112,20 @@ def _run(
     return code or (FAILED if stuck or lost else 0)
 
 
+def _typed(stdin: TextIO | None, stop_key: str) -> set[str]:
+    """Drop what was typed while no screen read it; return Textual's names of the keys."""
+    if sys.platform != "win32" and stdin is not None:
+        from archo_tui.terminal.driver import drain_keys
+
+        return drain_keys(stdin.fileno(), stop_key)
+    return set()
+
+
 def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | None:
     """Return the record of the process before with a STOP that was typed since."""
-    if sys.platform != "win32" and left is not None and stdin is not None:
-        from archo_tui.terminal.driver import stop_was_typed
-
-        return left._replace(stop=left.stop or stop_was_typed(stdin.fileno(), left.stop_key))
-    return left
+    if left is None:
+        return None
+    return left._replace(stop=left.stop or left.stop_key in _typed(stdin, left.stop_key))
 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:
@@ -167,7 +174,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     from archo_tui.commands import keymap, registry
     from archo_tui.handover import Handover
     from archo_tui.paths import config_file
-    from archo_tui.shutdown import RESTART, heed_signals, let_go
+    from archo_tui.shutdown import RESTART, heed_signals
     from archo_tui.terminal import themes
     from archo_tui.terminal.stderr import guarded_streams, log_file
 
@@ -185,44 +192,51 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
         station.robot.stops.register()
         session.send_stop("the console restarted")
     settings_before = None if left is None else left.terminal
-    while True:
-        app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
-        app.settings_before = settings_before
-        with guarded_streams(log_file(), session.printer_of_children()):
-            app.run()
-        if not app.failure:
-            if app.return_code == RESTART:
-                why, before = station.waiting_restart, app.settings_before
-                session.restart = Handover(why, stop_key=app.stop_key, terminal=before)
-                complain(f"{why}: the console restarts; {app.shown_keys['stop']} is STOP meanwhile")
-            return app.return_code or 0
-        failed, failures = app.failure, 1 if app.was_operated else failures + 1
-        settings_before = app.settings_before
-        last = failed.strip().splitlines()[-1]
-        station.robot.note("ERROR", "console", f"the screen crashed: {last}")
-        session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
-        if failures == _MOST_FAILURES:
-            why = "the screen keeps crashing"
-            end = Handover(stop_key=app.stop_key, terminal=settings_before)
-            _send_typed_stop(station.robot, end, stdin)
-            asyncio.run(let_go(station.robot, clock, station.on_disconnect, why))
-            _send_typed_stop(station.robot, end, stdin)
-            end.restore_terminal()
-            complain(f"the screen keeps crashing: {last}")
-            return FAILED
-        if not station.robot.stops.are_answered:  # The screen has read it, and sent it or not.
-            session.send_stop("the screen crashed")
+    try:
+        while True:
+            app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
+            app.settings_before = settings_before
+            with guarded_streams(log_file(), session.printer_of_children()):
+                app.run()
+            settings_before = app.settings_before
+            if not app.failure:
+                if app.return_code == RESTART:
+                    why, key = station.waiting_restart, app.shown_keys["stop"]
+                    restart = Handover(why, stop_key=app.stop_key, terminal=settings_before)
+                    session.restart = restart
+                    complain(f"{why}: the console restarts; {key} is STOP meanwhile")
+                return app.return_code or 0
+            failed, failures = app.failure, 1 if app.was_operated else failures + 1
+            last = failed.strip().splitlines()[-1]
+            station.robot.note("ERROR", "console", f"the screen crashed: {last}")
+            session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
+            if failures == _MOST_FAILURES:
+                asyncio.run(_give_up(app, stdin))
+                Handover(terminal=settings_before).restore_terminal()
+                complain(f"the screen keeps crashing: {last}")
+                return FAILED
+            if not station.robot.stops.are_answered:  # Who sent it, or was to, is gone.
+                session.send_stop("the screen crashed")
+    except BaseException:  # A crash has left the terminal to the next screen, which never came.
+        Handover(terminal=settings_before).restore_terminal()
+        raise
 
 
-def _send_typed_stop(robot: Robot, end: Handover, stdin: TextIO | None) -> None:
-    """Send a STOP that was typed since the last screen, or that this has read and not sent."""
-    import asyncio
+async def _give_up(app: ArchoApp, stdin: TextIO | None) -> None:
+    """Send a STOP that was typed since the last screen, and cancel or leave the running goal."""
+    from archo_tui.shutdown import CANCEL, let_go
 
-    left = _with_typed_stop(end, stdin)
-    if left is not None and left.stop:
-        robot.stops.register()
-    if not robot.stops.are_answered:
-        asyncio.run(robot.emergency_stop())
+    station, stops = app.station, app.stops
+    typed = _typed(stdin, app.stop_key)
+    if app.stop_key in typed:
+        stops.register()
+    if not stops.are_answered:
+        await station.robot.emergency_stop()
+    choice = CANCEL if app.keys["cancel"] in typed else station.on_disconnect
+    await let_go(station.robot, station.clock, choice, "the screen keeps crashing")
+    if app.stop_key in _typed(stdin, app.stop_key):
+        stops.register()
+        await station.robot.emergency_stop()
 
 
 def _print_version(engine: str) -> int:

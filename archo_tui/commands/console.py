@@ -161,7 +161,7 @@ def _ends_of_publications(station: Station) -> list[str]:
 
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
-    help = "Quit; if a goal runs, asks first and cancels it"
+    help = "Quit; asks before it ends a goal or what is published"
 
     def run(self, desk: Desk) -> Work | None:
         goal, station = desk.station.running_goal, desk.station

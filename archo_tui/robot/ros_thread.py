@@ -83,16 +83,18 @@ class RosThread:
         with self._lock:
             self._add(function)
 
-    def submit_in_handler(self, function: Callable[[], Any], patience: float) -> None:
-        """Do what `submit` does, in a signal handler; give up after `patience` in seconds.
+    def submit_in_handler(self, function: Callable[[], Any], patience: float) -> bool:
+        """Do what `submit` does, in a signal handler; return False if it took `patience` in s.
 
         The thread that the signal has interrupted may be in `submit`, and never lets go of it.
         """
-        if self._lock.acquire(timeout=patience):
-            try:
-                self._add(function)
-            finally:
-                self._lock.release()
+        if not self._lock.acquire(timeout=patience):
+            return False
+        try:
+            self._add(function)
+        finally:
+            self._lock.release()
+        return True
 
     def _add(self, function: Callable[[], Any]) -> None:
         if not self._stopping:

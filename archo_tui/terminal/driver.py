@@ -254,12 +254,14 @@ class SteadyDriver(LinuxDriver):
         to end.
         """
         app = cast(DriverApp, self._app)
-        keyboard = Keyboard(app.stop_key, self._debug)
+        keyboard, began_at = Keyboard(app.stop_key, self._debug), self._empty_at
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
                 began, wait = time.monotonic(), _POLL_FOR_ESCAPE if keyboard.is_waiting else _POLL
-                is_ready, empty_at = selector.select(wait), self._empty_at
+                # What silence decides is as old as its first byte.
+                began_at = began_at if keyboard.is_waiting else self._empty_at
+                is_ready = selector.select(wait)
                 if self.exit_event.is_set():
                     return
                 if is_ready:
@@ -271,7 +273,7 @@ class SteadyDriver(LinuxDriver):
                 else:
                     self._empty_at = began + wait
                     messages = keyboard.on_silence(time.monotonic())
-                dispatch(messages, app, self._on_stop_key, self.process_message, empty_at)
+                dispatch(messages, app, self._on_stop_key, self.process_message, began_at)
 
     def _on_stop_key(self, message: Message) -> None:
         self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
@@ -305,8 +307,8 @@ class SteadyDriver(LinuxDriver):
             self._loop.call_soon_threadsafe(function)
 
 
-def stop_was_typed(descriptor: int, stop_key: str) -> bool:
-    """Drop what was typed while no console read it; return True if a STOP was among it."""
+def drain_keys(descriptor: int, stop_key: str) -> set[str]:
+    """Drop what was typed while no console read it; return Textual's names of the keys."""
     with selectors.DefaultSelector() as selector:
         selector.register(descriptor, selectors.EVENT_READ)
         typed = b""
@@ -314,4 +316,4 @@ def stop_was_typed(descriptor: int, stop_key: str) -> bool:
             while selector.select(0) and (part := os.read(descriptor, _MAX_READ)):
                 typed += part
     messages = Keyboard(stop_key).feed(typed, time.monotonic()) if typed else []
-    return any(isinstance(message, Key) and message.key == stop_key for message in messages)
+    return {message.key for message in messages if isinstance(message, Key)}

@@ -365,7 +365,10 @@ def is_settled(station: Station) -> bool:
 
 
 def _awaits_hosted(station: Station, waited: float) -> bool:
-    """Return True while a node that runs here is not on the graph, `waited` seconds being few."""
+    """Return True while a node that runs here may still come to the graph.
+
+    One whose constructor has not returned has 15 s for that, any other 5 s.
+    """
     seen = {node.name for node in station.robot.snapshot.nodes}
     lives = [n.life for n in station.host.states() if n.life.is_running and n.name not in seen]
     return bool(lives) and waited < (
@@ -378,9 +381,9 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
 
     What is refused is tried again until the robot is settled, for a missing name at least until
     DISCOVERY_TIME, and until ROBOT_TIMEOUT for a missing `service`, or for a name of a robot that
-    runs elsewhere; at any time, both are waited for while a node that runs here is not on the graph
-    yet. Raises what `prepare` raises, and Void if a STOP was read meanwhile, unless the verb
-    changes nothing or survives a STOP.
+    runs elsewhere; at any time, a missing name or service is waited for while a node that runs here
+    may still come to the graph. Raises what `prepare` raises, and Void if a STOP was read
+    meanwhile, unless the verb changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
     if acts and station.robot.watching:

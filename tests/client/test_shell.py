@@ -19,6 +19,7 @@ from rclpy.node import Node
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
+from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
 from tests.support import script, warm
 from tests.support.console import FAST, LONG
@@ -320,7 +321,9 @@ def test_what_asks_is_answered_at_the_callers_terminal(
         script.close()
 
 
-async def test_what_a_suspended_shell_publishes_ends_with_no_speed() -> None:
+async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     geometry = pytest.importorskip("geometry_msgs.msg")
     speeds: list[float] = []
 
@@ -336,7 +339,9 @@ async def test_what_a_suspended_shell_publishes_ends_with_no_speed() -> None:
     async with served(Driven) as person:
         command = [sys.executable, "-m", "archo_tui", *words]  # Suspended, so no fork of another.
         shell = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-        await until(lambda: len(speeds) > 30)  # It lasts while the shell answers.
+        with monkeypatch.context() as patient:  # A busy shell answers late.
+            patient.setattr(session, "_MAX_MISSED_BEATS", 100)
+            await until(lambda: len(speeds) > 30)  # It lasts while the shell answers.
         shell.send_signal(signal.SIGSTOP)
         await until(lambda: speeds[-1] == 0.0)
         await heard(person, "pub cmd_vel: ended by its requester")

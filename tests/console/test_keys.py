@@ -258,6 +258,18 @@ async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
         assert len(_said(op)) == 1
 
 
+async def test_a_stop_key_that_was_held_leaves_nothing_to_be_answered() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        op.send(*["ctrl+x"] * 3)
+        await op.settle()
+        await op.press("R", "y")
+        await op.until("● IDLE")
+        assert op.app.stops.are_answered
+        assert op.app.station.restart_blocker == ""
+
+
 async def test_enter_that_was_held_while_the_screen_stood_still_sets_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("4", "enter")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +135,19 @@ async def test_a_goal_is_cancelled_whatever_the_stop_answers(says: str) -> None:
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase is Phase.CANCELLED)
         assert made[0].cancelled[0] - sent < 1.0
         made[0].never.set_result(True)
+
+
+async def test_a_stop_that_is_called_off_answers_for_none_behind_it() -> None:
+    async with robot(making([], Driver, "nothing"), offers="move_to_shelf") as it:
+        it.stops.register()
+        sent = asyncio.ensure_future(it.emergency_stop())
+        await asyncio.sleep(0)
+        it.stops.register()  # Of the next one, whose work has not begun.
+        sent.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await sent
+        assert it.stops.answered == 1
+        assert not it.stops.are_answered
 
 
 async def test_a_stop_does_not_cancel_a_goal_that_the_robot_ends_by_itself() -> None:

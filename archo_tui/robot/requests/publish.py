@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -130,7 +131,7 @@ async def end_publications(robot: Parts) -> str:
 def end_publications_now(robot: Parts) -> None:
     """End all that this console publishes, and block until it is done, 0.5 s at most.
 
-    Any thread but that of ROS; also in a signal handler.
+    Any thread but that of ROS; also in a signal handler. What is being begun ends, too.
     """
     done = threading.Event()
 
@@ -138,6 +139,6 @@ def end_publications_now(robot: Parts) -> None:
         robot.publications.end_all(_PAUSE)
         done.set()
 
-    if robot.publications.active:
-        robot.thread.submit_in_handler(end, _LONGEST_BLOCK)
-        done.wait(_LONGEST_BLOCK)
+    until = time.monotonic() + _LONGEST_BLOCK
+    if robot.thread.submit_in_handler(end, _LONGEST_BLOCK):
+        done.wait(max(until - time.monotonic(), 0.0))

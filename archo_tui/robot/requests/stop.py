@@ -23,15 +23,20 @@ async def emergency_stop(robot: Parts) -> Outcome:
 
     A robot whose file names no STOP has every goal cancelled instead; the code is NOT_OFFERED then.
     """
-    stop = robot.file.stop
-    robot.stops.superseded = False
+    stop, stops = robot.file.stop, robot.stops
+    stops.superseded = False
+    answered = stops.count  # If this is cancelled, those read meanwhile have to be sent.
     try:
         if stop is None:
-            return await _cancel_instead_of_stop(robot)
-        command = robot.checks.call_command(stop.service, stop.request)
-        return await run(robot, "stop", {}, "STOP", command, lambda _: robot.stop_sender.send())
+            outcome = await _cancel_instead_of_stop(robot)
+        else:
+            command = robot.checks.call_command(stop.service, stop.request)
+            send = robot.stop_sender.send
+            outcome = await run(robot, "stop", {}, "STOP", command, lambda _: send())
+        answered = stops.count
+        return outcome
     finally:
-        robot.stops.answered = robot.stops.count
+        stops.answered = max(stops.answered, answered)
 
 
 async def _cancel_instead_of_stop(robot: Parts) -> Outcome:

@@ -94,6 +94,15 @@ class Stops:
             self.count += 1
             return self.count
 
+    def is_not_sent(self, number: int) -> None:
+        """Record that the STOP with this `count` needs no answer of its own: it is not sent.
+
+        One before it that is still underway answers for it.
+        """
+        with self._lock:
+            if self.answered >= number - 1:
+                self.answered = max(self.answered, number)
+
     @property
     def are_answered(self) -> bool:
         """True if no STOP that this console read is still to be sent, or waits for its answers.
