@@ -53,7 +53,9 @@ def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
         answered = json.loads(answer)
     except ValueError:  # It ended within its answer, or before.
         how = f"it ended Python, exit code {exit_code}"
-        if exit_code < 0:
+        if len(answer) == _MAX_ANSWER:
+            how = f"its answer is over {_MAX_ANSWER / 1e6:g} MB"
+        elif exit_code < 0:
             how = f"it does not return within {seconds:g} s"
         raise ChildError(how, report=printed) from None
     if "error" in answered:

@@ -10,12 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
-from archo_tui.launch.setup_script import PackageSetup, run_setup
 from archo_tui.ros_names import KINDS
+
+if TYPE_CHECKING:
+    from archo_tui.launch.setup_script import PackageSetup
 
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # Below a prefix.
 _WITHOUT_EXPORT = "catkin"  # What REP 149 takes where package.xml has no build_type.
@@ -64,7 +67,9 @@ class Package:
 
     @cached_property
     def _setup(self) -> PackageSetup:
-        return run_setup(self.build_file)
+        from archo_tui.launch import setup_script  # Late: a start with --interfaces needs none.
+
+        return setup_script.run_setup(self.build_file)
 
     def executables(self) -> dict[str, EntryPoint]:
         """Return the executables in Python, by their names for `ros2 run`; raise ArchoError."""
@@ -114,7 +119,7 @@ class Package:
             return
         for kind, names, destination, rename in _INSTALL.findall(self._cmake_text()):
             for name in names.split() if kind in kinds else ():
-                source, target = Path(name.strip('"')), Path(destination.strip('"'))
+                source, target = Path(name), Path(destination)
                 if kind != "DIRECTORY":
                     yield source, target / (rename or source.name)
                     continue
@@ -130,7 +135,7 @@ class Package:
             text = self.build_file.read_text(encoding="utf-8", errors="replace")
         except OSError:
             return ""
-        return re.sub(r"#.*", "", text).replace("${PROJECT_NAME}", self.name)
+        return re.sub(r'#.*|"', "", text).replace("${PROJECT_NAME}", self.name)
 
 
 def read_package(folder: Path) -> Package:

@@ -6,10 +6,11 @@ because Python has had none of its own since 3.12.
 
 from __future__ import annotations
 
+import configparser
 import os
 import runpy
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -59,7 +60,11 @@ def run(file: str) -> dict[str, Any]:
     sys.path.insert(0, str(Path(file).parent))
     for name in _MODULES:
         module = sys.modules[name] = _StandIn(name)
-        module.setup = lambda **arguments: calls.append(arguments)  # type: ignore[attr-defined]
+        module.__dict__.update(
+            setup=lambda **arguments: calls.append(arguments),
+            find_packages=lambda *_, **__: [],
+            find_namespace_packages=lambda *_, **__: [],
+        )
         parent, _, last = name.rpartition(".")
         if parent:
             setattr(sys.modules[parent], last, module)
@@ -68,9 +73,8 @@ def run(file: str) -> dict[str, Any]:
         raise child_process.ChildError("it does not call setup()", file, 1)
     given = calls[-1]
     try:
-        lines = (given.get("entry_points") or {}).get("console_scripts") or ()
         return {
-            "console_scripts": dict(map(_script, lines)),
+            "console_scripts": dict(map(_script, _lines(given.get("entry_points") or {}))),
             "data_files": [
                 (str(folder), [*map(str, names)]) for folder, names in given.get("data_files") or ()
             ],
@@ -83,7 +87,7 @@ def run(file: str) -> dict[str, Any]:
 class _StandIn(ModuleType):
     """A module of which each name is a class, such as a command that a setup.py derives from.
 
-    A class takes any arguments; `find_packages(...)` gives an object that nobody looks at.
+    A class takes any arguments.
     """
 
     def __init__(self, name: str) -> None:
@@ -94,6 +98,17 @@ class _StandIn(ModuleType):
         if name.startswith("__"):
             raise AttributeError(name)
         return type(name, (), {"__init__": lambda *_, **__: None, "user_options": []})
+
+
+def _lines(entry_points: Any) -> Iterable[str]:
+    """Return the lines of `console_scripts` in a dict of lists, or in the text of an INI file."""
+    if isinstance(entry_points, str):
+        ini = configparser.RawConfigParser(delimiters="=")
+        ini.optionxform = str  # type: ignore[assignment, method-assign]  # Capitals stay.
+        ini.read_string(entry_points)
+        named = ini["console_scripts"].items() if "console_scripts" in ini else ()
+        entry_points = {"console_scripts": ["=".join(pair) for pair in named]}
+    return entry_points.get("console_scripts") or ()
 
 
 def _script(line: str) -> tuple[str, tuple[str, str]]:

@@ -71,10 +71,13 @@ class Workspace:
 
     def find(self, name: str) -> Package | None:
         """Return the package with a name: one of the workspace, or ARCHO's own in a checkout."""
-        if name == _OWN_PACKAGE and name not in self.packages:
-            own = _CHECKOUT / "nodes"
-            return read_package(own) if (own / "package.xml").is_file() else None
-        return self.packages.get(name)
+        found = self.packages.get(name)
+        return self._own_package if found is None and name == _OWN_PACKAGE else found
+
+    @cached_property
+    def _own_package(self) -> Package | None:
+        own = _CHECKOUT / "nodes"
+        return read_package(own) if (own / "package.xml").is_file() else None
 
     def nearest_package_hint(self, name: str) -> str:
         """Return ` (nearest: my_robot)` for a misspelt name, or "" if no package has one alike."""

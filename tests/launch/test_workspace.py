@@ -5,11 +5,12 @@ from __future__ import annotations
 import shutil
 import textwrap
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import setup_script
+from archo_tui.launch import child_process, setup_script
 from archo_tui.launch import workspace as rooms
 from archo_tui.launch.package import EntryPoint, Package, read_package
 from archo_tui.launch.setup_script import run_setup
@@ -49,6 +50,14 @@ def test_a_launch_file_without_a_package_finds_archos_own_only(tmp_path: Path) -
     assert found.entry_point("archo_bringup", "dashboard") == EntryPoint(
         "archo_bringup.dashboard", "main", str(NODES)
     )
+
+
+def test_archos_own_setup_is_asked_for_once() -> None:
+    found = Workspace(())
+    with patch.object(setup_script, "run_setup", wraps=run_setup) as asked:
+        for name in ("dashboard", "battery_monitor"):
+            found.entry_point("archo_bringup", name)
+    asked.assert_called_once_with(NODES / "setup.py")
 
 
 def test_the_nodes_that_an_installed_console_carries_can_be_run(
@@ -131,6 +140,9 @@ SETUPS = {
     "from setuptools import setup\nsetup(entry_points={'console_scripts': ['talker']})": (
         "setup.py:1: setup() is called wrongly: 'talker': write 'name = package.module:function'"
     ),
+    "from setuptools import setup\nsetup(entry_points='talker = a.b:main')": (
+        "setup.py: MissingSectionHeaderError: File contains no section headers."
+    ),
     "import os\nos._exit(3)": "setup.py: it ended Python, exit code 3",
 }
 
@@ -155,6 +167,41 @@ def test_a_setup_that_does_not_return_is_ended(
         run_setup(package.build_file)
 
 
+def test_a_setup_that_says_too_much_is_told(
+    package: Package, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(child_process, "_MAX_ANSWER", 1_000)
+    text = f"from setuptools import setup\nsetup(data_files=[('{'x' * 2_000}', [])])"
+    (package.folder / "setup.py").write_text(text, encoding="utf-8")
+    with pytest.raises(ArchoError, match=r"setup\.py: its answer is over 0\.001 MB"):
+        run_setup(package.build_file)
+
+
+def test_entry_points_may_be_a_text(package: Package) -> None:
+    text = '''
+        from setuptools import setup
+
+        setup(
+            entry_points="""
+                [other]
+                x = y:z
+                [console_scripts]
+                Talker = my_robot.talker:main
+                listener=my_robot.listener:main [extra]
+            """
+        )
+    '''
+    (package.folder / "setup.py").write_text(textwrap.dedent(text), encoding="utf-8")
+    assert run_setup(package.build_file).console_scripts == {
+        "Talker": ["my_robot.talker", "main"],
+        "listener": ["my_robot.listener", "main"],
+    }
+    (package.folder / "setup.py").write_text(
+        "from setuptools import setup\nsetup(entry_points='[other]')", encoding="utf-8"
+    )
+    assert run_setup(package.build_file).console_scripts == {}
+
+
 def test_a_setup_may_use_what_setuptools_has(package: Package) -> None:
     text = """
         from setuptools import Command, find_namespace_packages, find_packages, setup
@@ -166,7 +213,7 @@ def test_a_setup_may_use_what_setuptools_has(package: Package) -> None:
 
         print("to be ignored")
         setup(
-            packages=find_packages(exclude=["test", "test.*"]),
+            packages=["a"] + find_packages(exclude=["test"]) + find_namespace_packages("b"),
             cmdclass={"install": Install},
             package_dir={"": "src"},
             entry_points={
@@ -207,3 +254,13 @@ def test_a_share_folder_has_what_cmake_installs(workspace: Workspace, tmp_path: 
     share = package.share_folder(tmp_path)
     found = sorted(path.relative_to(share).as_posix() for path in share.rglob("*.*"))
     assert found == ["doc/README.md", "launch/driver.launch.py", "package.xml"]
+
+
+def test_quotes_in_cmake_do_not_count(tmp_path: Path) -> None:
+    folder = write_package(tmp_path / "ck", "<package><name>ck</name></package>")
+    (folder / "launch").mkdir()
+    (folder / "launch" / "a.launch.py").touch()
+    text = 'install(DIRECTORY "launch/" DESTINATION "share/${PROJECT_NAME}/launch")'
+    (folder / "CMakeLists.txt").write_text(text, encoding="utf-8")
+    read_package(folder).fill_share_folder(tmp_path / "prefix")
+    assert (tmp_path / "prefix" / "share" / "ck" / "launch" / "a.launch.py").is_file()
