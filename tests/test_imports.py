@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 _PROGRAM = """
 import sys
@@ -20,6 +21,28 @@ print([name in sys.modules for name in dialogs])
 import_the_rest(OF_THE_SCREEN)
 print([name in sys.modules for name in dialogs])
 """
+
+_WITH_INTERFACES = """
+import sys
+from pathlib import Path
+import archo_tui.session
+from archo_tui.user_code import interfaces
+print("archo_tui.launch.package" in sys.modules)
+interfaces.find_all([Path("interfaces")], "embedded")
+print("archo_tui.launch.setup_script" in sys.modules)
+"""
+
+
+def test_what_runs_a_setup_is_not_imported_to_read_interfaces() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _WITH_INTERFACES],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=Path(__file__).parent.parent,
+    )
+    assert done.stderr == ""
+    assert done.stdout.split() == ["False", "False"]
 
 
 def test_dialogs_are_imported_behind_the_first_picture() -> None:

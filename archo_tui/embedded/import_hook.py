@@ -51,7 +51,7 @@ class InterfaceFinder:
             self._share / package,
             *(Path(prefix) / "share" / package for prefix in prefixes if prefix),
         ]
-        return [p for p in candidates if p is not None and _has_interfaces(p)]
+        return [p for p in candidates if p is not None and has_interfaces(p)]
 
     def names(self, package: str, kind: str) -> list[str]:
         """Return the sorted names of the interfaces that a package has in all its folders."""
@@ -139,6 +139,7 @@ class InterfaceFinder:
         module.__dict__.update(__getattr__=__getattr__, __all__=names)
 
 
-def _has_interfaces(folder: Path) -> bool:
+def has_interfaces(folder: Path) -> bool:
+    """Return True if a folder has msg/, srv/ or action/ in it."""
     # Checked first, because most folders that are asked for do not exist.
     return folder.is_dir() and any((folder / kind).is_dir() for kind in KINDS)

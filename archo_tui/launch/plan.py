@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from archo_tui.launch.package import EntryPoint
+if TYPE_CHECKING:
+    from archo_tui.launch.package import EntryPoint
 
 
 @dataclass(frozen=True)

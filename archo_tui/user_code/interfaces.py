@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 from archo_tui import embedded, engine
 from archo_tui.embedded.idl import is_package_name
-from archo_tui.embedded.import_hook import NEEDED
+from archo_tui.embedded.import_hook import NEEDED, has_interfaces
 from archo_tui.errors import ArchoError
-from archo_tui.launch.package import read_package
 from archo_tui.ros_names import KINDS
 from archo_tui.user_code.watch import Stamps, stamps
 
@@ -68,11 +67,13 @@ def find(
 def _folders(folder: Path) -> list[Path]:
     """Return the interface packages in a folder: the folder itself, then those below, sorted."""
     places = dict.fromkeys([folder, *sorted(p.parent for p in folder.glob("**/package.xml"))])
-    return [place for place in places if any((place / kind).is_dir() for kind in KINDS)]
+    return [place for place in places if has_interfaces(place)]
 
 
 def _name_of(place: Path) -> str:
     """Return the name of an interface package, which its messages can have; raise ArchoError."""
+    from archo_tui.launch.package import read_package
+
     name, file = read_package(place).name, place / "package.xml"
     if not is_package_name(name):
         rule = "small letters, digits and single _"
