@@ -164,6 +164,7 @@ Node(package='my_robot', executable='talker', parameters=[{
     'number': ParameterValue(LaunchConfiguration('x'), value_type=float),
     'joined': [LaunchConfiguration('x'), '/base'],
     'list': ParameterValue(TextSubstitution(text='[1, 2]'), value_type=list[int]),
+    'floats': ParameterValue([1, 2.0], value_type=list[float]),
     'each': [[LaunchConfiguration('x')], [LaunchConfiguration('x')]],
     'quoted': '10',
     'yes': TextSubstitution(text='yes'),
@@ -237,7 +238,7 @@ CASES = {
         [],
         [
             "my_robot talker --ros-args -p typed:=10 -p text:='10' -p number:=10.0 "
-            "-p joined:=10/base -p list:=[1, 2] -p each:=[10, 10] "
+            "-p joined:=10/base -p list:=[1, 2] -p floats:=[1.0, 2.0] -p each:=[10, 10] "
             "-p quoted:='10' -p yes:=true -p empty:='' -p words:=[a, '1']",
             "my_robot talker --ros-args -p rate:=10.0 -p name:='5'",
         ],

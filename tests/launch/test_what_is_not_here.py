@@ -137,6 +137,33 @@ def test_xacro_and_other_packages_are_left_out_where_they_are_needed(launcher: L
     assert launcher.commands(plan) == ["my_robot listener"]
 
 
+def test_the_packages_are_those_of_the_workspace_and_what_was_set_is_not_read(
+    launcher: Launcher,
+) -> None:
+    plan = launcher.plan(
+        launcher.write(
+            """
+            from ament_index_python.packages import get_packages_with_prefixes
+            from launch import LaunchDescription
+            from launch_ros.actions import Node
+            from launch_ros.substitutions import Parameter
+
+            def generate_launch_description():
+                found = get_packages_with_prefixes()
+                return LaunchDescription([
+                    Node(package='my_robot', executable='talker', name=Parameter('name')),
+                    *[Node(package=name, executable='listener')
+                      for name in ('my_robot', 'nav2') if name in found],
+                ])
+            """
+        )
+    )
+    assert [note.text for note in plan.notes] == [
+        "Parameter: what SetParameter has set is not read here: use a LaunchConfiguration"
+    ]
+    assert launcher.commands(plan) == ["my_robot listener"]
+
+
 def test_what_a_launch_file_says_is_information(launcher: Launcher) -> None:
     plan = launcher.of_actions("LogInfo(msg=['in ', ThisLaunchFileDir()]),")
     assert [(note.level, note.text) for note in plan.notes] == [("INFO", f"in {launcher.folder}")]

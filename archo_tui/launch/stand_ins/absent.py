@@ -20,6 +20,7 @@ _COMMANDS = "no command is run here: what needs its output is left out"
 _LOGS = "this console has a log of its own"
 _NEWER = "Jazzy has no such action: an OpaqueFunction returns several, too"
 _PACKAGE = "its package is not here: what needs it is left out"
+_SET = "what SetParameter has set is not read here: use a LaunchConfiguration"
 _SIM_TIME = "it sets use_sim_time of launch itself: SetParameter sets it for nodes"
 
 _ALL = "*"
@@ -44,6 +45,7 @@ _REASONS = (
     ("launch_ros.event_handlers", _ALL, _EVENTS),
     ("launch_ros.events", _ALL, _EVENTS),
     ("launch_ros.substitutions", "ExecutableInPackage FindPackage", _COMMANDS),
+    ("launch_ros.substitutions", "Parameter", _SET),
     ("moveit_configs_utils", _ALL, _PACKAGE),
     ("nav2_common.launch", _ALL, _PACKAGE),
     ("xacro", _ALL, "xacro is not run here: what needs its output is left out"),

@@ -54,6 +54,11 @@ class AmentIndex:
         """Return the share folder of a package as a path."""
         return Path(self.get_package_share_directory(package_name))
 
+    def get_packages_with_prefixes(self) -> dict[str, str]:
+        """Return the prefix of each package of the workspaces; see `get_package_prefix`."""
+        names = [name for workspace in self.workspaces for name in workspace.packages]
+        return {name: self.get_package_prefix(name) for name in names}
+
     def contents(self) -> dict[str, Any]:
         """Return the names of the module."""
         return {
@@ -61,6 +66,7 @@ class AmentIndex:
             "get_package_prefix": self.get_package_prefix,
             "get_package_share_directory": self.get_package_share_directory,
             "get_package_share_path": self.get_package_share_path,
+            "get_packages_with_prefixes": self.get_packages_with_prefixes,
         }
 
 

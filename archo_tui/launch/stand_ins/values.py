@@ -31,12 +31,15 @@ def value_of(context: LaunchContext, given: Any, kind: Any = None) -> Any:
     if is_substitution(given):
         return value_of_text(perform(context, given), kind)
     if isinstance(given, SCALARS):
-        return given
+        return given if kind is None else _checked(given, given, kind)
     if not isinstance(given, Iterable):
         raise ValueError(f"a value or a substitution is wanted, not {given!r}")
-    values = [value_of(context, part, _element(kind)) for part in given]
+    values = [
+        part if isinstance(part, SCALARS) else value_of(context, part, _element(kind))
+        for part in given
+    ]
     if {type(value) for value in values} == {int, float}:
-        return [float(value) for value in values]
+        values = [float(value) for value in values]
     return _checked(values, values, kind)
 
 
