@@ -20,7 +20,16 @@ from .idl_types import FieldType
 Resolve = Callable[[Section, Field], Any]
 
 
-class Message:
+class _MessageType(type):
+    """The metaclass of messages; assigning to a constant of a message raises AttributeError."""
+
+    def __setattr__(cls, name: str, value: Any) -> None:
+        if name.isupper() and hasattr(cls, name):
+            raise AttributeError(f"{name} of {cls.__name__} is a constant")
+        super().__setattr__(name, value)
+
+
+class Message(metaclass=_MessageType):
     """The base of every generated message, request, goal and so on.
 
     Assigning a wrong value to a field raises AssertionError (ValueError for bytes as numbers of a

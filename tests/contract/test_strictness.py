@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import rclpy
 from archo_interfaces.action import MoveToShelf
+from rcl_interfaces.msg import Log
 from rclpy import type_support
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
@@ -88,6 +89,7 @@ def _say(node: Node, level: str) -> object:
         (lambda n: n.get_logger().set_level("x"), ValueError),
         (lambda n: [_say(n, level) for level in ("error", "fatal")], ValueError),
         (lambda n: MultiThreadedExecutor(0, context=n.context), ValueError),
+        (lambda _: setattr(Log, "WARN", Log.WARN), AttributeError),  # a constant
         (lambda _: Trigger(), NotImplementedError),
         (lambda _: MoveToShelf(), NotImplementedError),
         (lambda n: ActionServer(n, MoveToShelf, "a?", print), ValueError),
