@@ -56,6 +56,7 @@ _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
 _LEAST = 0.2  # Seconds of these that a recording gets in any case.
 _POLL = 0.02  # Seconds between two looks for a STOP before the frontend comes.
+_READ_STOP = "STOP was read while {}: sent now"
 
 
 class Session:
@@ -113,6 +114,7 @@ class Session:
             self._programs = self._user_programs()
             self._shares = self._package_shares()
             if self._programs:  # One may drive before the next has begun.
+                self._count_typed_stop()
                 self._open()
                 name = "early STOPs"
                 threading.Thread(target=self._send_early_stops, name=name, daemon=True).start()
@@ -137,9 +139,16 @@ class Session:
         """Send each STOP that is read before `start`; the frontend sends it again, and replies."""
         sent = self.robot.stops.answered
         while not self._has_started.wait(_POLL):
+            self._count_typed_stop()
             if self.robot.stops.count > sent:
                 sent = self.robot.stops.count
                 asyncio.run(self.robot.emergency_stop())
+
+    def _count_typed_stop(self) -> None:
+        """Count a STOP that was typed since the last look: no program begins behind it."""
+        if self.options.stop_was_typed():
+            self.robot.stops.register()
+            self.robot.note("YOU", "console", _READ_STOP.format("the console restarted"))
 
     def _stop_gate(self) -> Callable[[], bool]:
         """Return what is true once a STOP was read, here or elsewhere, after this call."""
@@ -304,7 +313,7 @@ class Session:
         async def send() -> None:
             await self.robot.emergency_stop()
 
-        self.robot.note("YOU", "console", f"STOP was read while {when}: sent now")
+        self.robot.note("YOU", "console", _READ_STOP.format(when))
         self.station.post(send)
 
     def hand_over(self) -> Handover:

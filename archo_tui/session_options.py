@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,6 +46,8 @@ class Options(NamedTuple):
     record: Path | None = None  # The folder to which everything is recorded.
     remote: bool = False  # Open a socket for other programs of this user.
     handover: Handover | None = None  # What the process before has left, after a restart.
+    # Returns True once for STOPs that were typed before the frontend reads keys.
+    stop_was_typed: Callable[[], bool] = lambda: False
 
 
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.

@@ -6,6 +6,7 @@ import gc
 import os
 import sys
 from argparse import Namespace
+from functools import partial
 from io import StringIO
 
 from archo_tui import __version__
@@ -92,6 +93,7 @@ def _run(
             record=Path(options.record) if options.record is not None else None,
             remote=not options.no_remote,
             handover=_with_typed_stop(left, stdin),
+            stop_was_typed=partial(_is_stop_typed, left, stdin),
         )
     )
     stuck: list[str] = []
@@ -121,11 +123,16 @@ def _typed(stdin: TextIO | None, stop_key: str) -> set[str]:
     return set()
 
 
+def _is_stop_typed(left: Handover | None, stdin: TextIO | None) -> bool:
+    """Return True if a STOP was typed since the last look; False but after a restart."""
+    return left is not None and left.stop_key in _typed(stdin, left.stop_key)
+
+
 def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | None:
     """Return the record of the process before with a STOP that was typed since."""
     if left is None:
         return None
-    return left._replace(stop=left.stop or left.stop_key in _typed(stdin, left.stop_key))
+    return left._replace(stop=left.stop or _is_stop_typed(left, stdin))
 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:

@@ -912,3 +912,41 @@ def test_a_program_ends_with_a_console_that_is_killed() -> None:
         console.send_signal(signal.SIGKILL)
     wait_until(lambda: said() == ["made", "interrupted", "left"])
     wait_until(has_child_ended)
+
+
+SLOW_TO_BEGIN = """
+import pathlib, time
+import rclpy
+from rclpy.node import Node
+pathlib.Path("begun").touch()
+while not pathlib.Path("go").exists():
+    time.sleep(0.01)
+
+
+class Driver(Node):
+    def __init__(self):
+        super().__init__("driver")
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Driver())
+"""
+
+
+@pytest.mark.real_time
+def test_a_stop_typed_while_programs_begin_lets_none_of_them_make_a_node(here: Path) -> None:
+    counted: list[bool] = []
+
+    def stop_was_typed() -> bool:
+        if counted or not Path("begun").exists():
+            return False
+        counted.append(True)
+        return True
+
+    file = written("driver.py", SLOW_TO_BEGIN)
+    with running(file, stop_was_typed=stop_was_typed, only=False) as session:
+        assert counted
+        Path("go").touch()
+        wait_until(lambda: states(session)["/driver"].life is Life.WAITING)
+        assert "STOP was read while the console restarted: sent now" in texts(session)
