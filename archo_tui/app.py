@@ -178,10 +178,9 @@ class ArchoApp(KeyedApp):
         command = self._find_command(name)
         if command is None:  # Clicked as a replay began or ended.
             return
-        desk = self if name == "stop" else self.front
+        desk, number = self.front, 0
         if name == "stop":
-            if not counted:
-                self.stops.register()
+            desk, number = self, self.stops.count_when_typed if counted else self.stops.register()
             self.close_questions()
         work = self._work_of(command, desk)
         if name == "stop" and self.replay is not None:
@@ -189,7 +188,7 @@ class ArchoApp(KeyedApp):
         if work is not None:
             self.run_worker(self._await_command(name, work), group=COMMANDS)
         elif name == "stop":
-            self.stops.is_not_sent(self.stops.count_when_typed)
+            self.stops.is_not_sent(number)
 
     def _work_of(self, command: Command, desk: Desk) -> Work | None:
         """Run a command, and return what is to be awaited, if anything; or show why it cannot."""

@@ -26,13 +26,14 @@ class Handover(NamedTuple):
     listening: Sequence[Any] | None = None  # The socket's descriptor and path.
     terminal: Sequence[Any] | None = None  # Its `termios` settings from before the first start.
 
-    def restore_terminal(self) -> None:
-        """Give the terminal the settings that it had before the first start, if they are known."""
-        if sys.platform != "win32" and self.terminal is not None:
-            import termios
 
-            with contextlib.suppress(termios.error):
-                termios.tcsetattr(0, termios.TCSANOW, [*self.terminal])
+def restore_terminal(settings: Sequence[Any] | None) -> None:
+    """Give the terminal its `termios` settings from before the first start; None: leave it."""
+    if sys.platform != "win32" and settings is not None:
+        import termios
+
+        with contextlib.suppress(termios.error):
+            termios.tcsetattr(0, termios.TCSANOW, [*settings])
 
 
 def give(handover: Handover) -> None:

@@ -40,7 +40,7 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     options.engine, options.namespace = options.engine or ENGINES[0], options.namespace or "/"
     if options.version:
         return _print_version(options.engine)
-    from archo_tui.handover import take
+    from archo_tui.handover import restore_terminal, take
     from archo_tui.shutdown import RESTART
 
     left, code = take(), FAILED
@@ -48,7 +48,7 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
         code = _run(options, ros_args, launch, left)
     finally:
         if left is not None and code != RESTART:  # It may not have come to its screen.
-            left.restore_terminal()
+            restore_terminal(left.terminal)
     return code
 
 
@@ -179,7 +179,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
     from archo_tui.app import ArchoApp
     from archo_tui.commands import keymap, registry
-    from archo_tui.handover import Handover
+    from archo_tui.handover import Handover, restore_terminal
     from archo_tui.paths import config_file
     from archo_tui.shutdown import RESTART, heed_signals
     from archo_tui.terminal import themes
@@ -194,15 +194,14 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     if others:
         station.robot.note("WARN", "console", others)
     failed, failures = "", 0
-    late = _with_typed_stop(left and left._replace(stop=False), stdin)
-    if late is not None and late.stop:
+    if _is_stop_typed(left, stdin):
         station.robot.stops.register()
         session.send_stop("the console restarted")
     settings_before = None if left is None else left.terminal
     try:
         while True:
             app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
-            app.settings_before = settings_before
+            app.settings_before, app.is_followed = settings_before, True
             with guarded_streams(log_file(), session.printer_of_children()):
                 app.run()
             settings_before = app.settings_before
@@ -219,13 +218,13 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
             session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
             if failures == _MOST_FAILURES:
                 asyncio.run(_give_up(app, stdin))
-                Handover(terminal=settings_before).restore_terminal()
+                restore_terminal(settings_before)
                 complain(f"the screen keeps crashing: {last}")
                 return FAILED
             if not station.robot.stops.are_answered:  # Who sent it, or was to, is gone.
                 session.send_stop("the screen crashed")
     except BaseException:  # A crash has left the terminal to the next screen, which never came.
-        Handover(terminal=settings_before).restore_terminal()
+        restore_terminal(settings_before)
         raise
 
 

@@ -105,6 +105,7 @@ class TerminalApp(App[None]):
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
         self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
+        self.is_followed = False  # After a crash another screen reads what is typed meanwhile.
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
@@ -280,6 +281,7 @@ class TerminalApp(App[None]):
             return
         if not self.failure:
             self.failure = "".join(traceback.format_exception(error))
-            self.keep_keys()  # A STOP that is typed before the next screen comes is for that.
+            if self.is_followed:
+                self.keep_keys()  # A STOP that is typed before the next screen comes is for that.
         self._return_code = 1
         self._close_messages_no_wait()

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from typing import NamedTuple, Protocol, cast
+from typing import NamedTuple, Protocol, TypeVar, cast
 
 from textual.message import Message
 from textual.message_pump import MessagePump
 
 from archo_tui.robot.stop.gate import Stops
+
+Mark = TypeVar("Mark")
 
 
 class StopKeyOwner(Protocol):
@@ -58,8 +60,8 @@ def typed_after(message: Message) -> float | None:
 
     A busy machine reads late: only by this time it is known how long ago a key came before it.
     """
-    found: set[object] = {*message._prevent}
-    return next((mark.at for mark in found if isinstance(mark, TypedAfter)), None)
+    mark = _mark_of(message, TypedAfter)
+    return None if mark is None else mark.at
 
 
 class InputTime(NamedTuple):
@@ -86,8 +88,12 @@ def marks_of(message: Message, pump: MessagePump) -> AbstractContextManager[None
 
 def input_of(message: Message) -> InputTime | None:
     """Return the input that a message results from, or None if it has no such mark."""
+    return _mark_of(message, InputTime)
+
+
+def _mark_of(message: Message, kind: type[Mark]) -> Mark | None:
     found: set[object] = {*message._prevent}
-    return next((mark for mark in found if isinstance(mark, InputTime)), None)
+    return next((mark for mark in found if isinstance(mark, kind)), None)
 
 
 def dispatch(

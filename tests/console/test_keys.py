@@ -10,6 +10,7 @@ import pytest
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
+from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
@@ -268,6 +269,18 @@ async def test_a_stop_key_that_was_held_leaves_nothing_to_be_answered() -> None:
         await op.until("● IDLE")
         assert op.app.stops.are_answered
         assert op.app.station.restart_blocker == ""
+
+
+async def test_a_stop_that_a_watching_console_refuses_leaves_nothing_to_be_answered() -> None:
+    async with console(*FAST, watch=True) as op:
+        await op.press("ctrl+x")
+        button = op.app.main.query_one("#stop").region
+        app, (x, y) = op.app, button.offset
+        where: Any = (None, x, y, 0, 0, 1, False, False, False, x, y)
+        read = [MouseDown(*where), MouseUp(*where)]  # As the terminal's driver marks them.
+        dispatch(read, app, app.stop_typed, app.post_message)
+        await op.until(lambda: op.app.stops.count == 2)
+        assert op.app.stops.are_answered
 
 
 async def test_enter_that_was_held_while_the_screen_stood_still_sets_nothing() -> None:

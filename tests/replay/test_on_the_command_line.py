@@ -23,6 +23,7 @@ from tests.replay.test_others_bags import BEGIN, drain
 from tests.support import chosen, clock
 from tests.support.bags import received, write
 from tests.support.console import LONG, console
+from tests.support.terminal import Terminal
 
 pytestmark = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="a replay has the embedded engine, whatever recorded it"
@@ -198,3 +199,24 @@ def test_a_robot_file_in_it_that_is_wrong_is_one_line(
     write(tmp_path, drain(seconds=2), {}, **{"robot.yaml": "name: [\n"})
     assert cli.main(["replay", "--text", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+FAILS = """
+from archo_tui.cli import main
+from archo_tui.screens.main import MainScreen
+def fail(*_):
+    raise ZeroDivisionError("of the screen")
+MainScreen.show = fail
+sys.exit(main(["replay", {path!r}]))
+"""
+
+
+def test_a_screen_that_fails_leaves_the_terminal_as_it_was(
+    tmp_path: Path, terminals: list[Terminal]
+) -> None:
+    write(tmp_path, drain(seconds=2), {})
+    terminal = Terminal(code=FAILS.format(path=str(tmp_path)))
+    terminals.append(terminal)
+    assert terminal.exit_code() == 1
+    assert "the screen crashed: ZeroDivisionError: of the screen" in terminal.text
+    assert terminal.is_as_before()
