@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 from textual import events
@@ -28,6 +29,7 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.notices import Notice, NoticeLine
 from archo_tui.widgets.panel import Panel
@@ -400,7 +402,8 @@ class MainScreen(Base[None]):
 
     def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show a new view in header, banner, panels and footer."""
-        self._view, self._commands = view, commands
+        self._commands = commands
+        self._view = view = self._with_typed(view)
         if not self._is_filled:
             if view.snapshot.nodes:
                 self._fill()
@@ -438,30 +441,35 @@ class MainScreen(Base[None]):
 
     def _show_hints(self, view: ScreenState, commands: list[FooterKey], header: Content) -> None:
         """Show banner and footer, whose keys are others in a field."""
-        banner = bars.banner(view, self.size.width, self._is_text)
+        banner = bars.banner(view, self.size.width)
         self._banner.show(banner)
         self.show_head([header, banner])
         self._show_footer(view, commands)
 
-    def _is_text(self, command: str) -> bool:
-        """Return True if the focused field takes a key as text, or is where `go` leads to."""
-        focused = self.focused
-        if not isinstance(focused, Field) or self._view is None:
-            return False
-        is_goal = command == "go" and focused is self.goal.focused_field
-        return is_goal or focused.is_typed(self._view.key(command))
+    def _with_typed(self, view: ScreenState) -> ScreenState:
+        """Return a view with the commands whose keys the focused field takes as text.
+
+        So is `go` where it leads to.
+        """
+        focused, typed = self.focused, set[str]()
+        if isinstance(focused, Field):
+            typed = {name for name, key in view.keys.items() if focused.is_typed(key)}
+            typed |= {"go"} if focused is self.goal.focused_field else set()
+        return replace(view, typed=frozenset(typed))
 
     def _on_field_changed(self) -> None:
         """Update what is said of keys: the focus is in another place, or a field has other text."""
         if self._view is not None and self._is_filled:
+            self._view = self._with_typed(self._view)
             self._show_hints(self._view, self._commands, self.head[0])
-            self._show_panel(self.goal, self._view)
+            for panel in self.goal, self._panel(MotionPanel):
+                self._show_panel(panel, self._view)
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the focused field's keys, and those of the commands that are no text in it."""
         field_keys = self.focused.keys if isinstance(self.focused, Field) else ()
         if field_keys:  # Of the others, those that are no text now.
-            commands = [c for c in commands if c.everywhere or not self._is_text(c.command)]
+            commands = [c for c in commands if c.everywhere or c.command not in view.typed]
         content = commands, self.size.width, view.key("palette"), field_keys
         if content != self._footer_content:  # Drawing it at each view would take too long.
             self._footer_content = content

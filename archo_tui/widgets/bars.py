@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -92,15 +92,13 @@ def _clock_text(time: int) -> Content:
     return Content.styled(f"{time_of_day(time)} ", "bold")
 
 
-def banner(
-    view: ScreenState, width: int, is_text: Callable[[str], bool] = lambda _: False
-) -> Content:
+def banner(view: ScreenState, width: int) -> Content:
     """Return the most important alarm with its advice, and how many others there are.
 
     An assistant's request takes its place, unless an alarm of high priority is active and
     unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys, but
-    those of commands that `is_text` says the field with the focus takes as text, or is for. An
-    active unacknowledged alarm is reversed over the whole width, but not in a replay.
+    those that the field with the focus takes as text, or is for. An active unacknowledged alarm is
+    reversed over the whole width, but not in a replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
     if view.requests and not any_urgent(view.alarms):  # Alarms of high priority come first.
@@ -110,7 +108,7 @@ def banner(
     if not shown:
         if shelved:
             return Content.styled(f" {shelved}", "$quiet")
-        return _first_keys(view, width, is_text)
+        return _first_keys(view, width)
     alarm, key = shown[0], view.key("ack")
     more = f"   +{_count(len(shown) - 1, 'alarm')}" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
@@ -135,7 +133,7 @@ def banner(
         return Content(line)
     style = "bold $bad" if alarm.priority == Priority.HIGH else "bold $warn"
     shown_line = Content.styled(line, style)
-    words = f"({key} acknowledge)"
+    words = f"({view.key_to_press('ack')} acknowledge)"
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     if key and cell_len(f"{line}   {words}") <= width:
         shown_line = Content.assemble(shown_line, "   ", _clickable(words, "ack"))
@@ -167,7 +165,7 @@ def _clickable(text: str, command: str) -> Content:
 
 def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Content:
     """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
-    request, key = view.requests[0], view.key("alarms")
+    request, key = view.requests[0], view.key_to_press("alarms")
     others = len(view.requests) - 1
     more = f"   +{_count(others, 'request')}" if others else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
@@ -191,7 +189,7 @@ def _shorten_cause(text: str, room: int) -> str:
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
 
 
-def _first_keys(view: ScreenState, width: int, is_text: Callable[[str], bool]) -> Content:
+def _first_keys(view: ScreenState, width: int) -> Content:
     """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator."""
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
@@ -202,7 +200,7 @@ def _first_keys(view: ScreenState, width: int, is_text: Callable[[str], bool]) -
         words[given.id] = (given.help or given.title).partition(",")[0].lower()
     shown: list[Content] = []  # As many as fit.
     for name, word in words.items():
-        if (key := view.key(name)) and not is_text(name):
+        if (key := view.key(name)) and name not in view.typed:
             hint = key_content(name, key, word, blocked=name in view.blocked)
             width -= hint.cell_length + 3
             if width >= 0:

@@ -117,7 +117,7 @@ class GoalPanel(Panel):
         line = goal_line(snapshot, view.now, ask, width)
         self._line.show_spans(line)
         ways = ("continue", "skip")
-        keys = "   ".join(f"{view.key(name)} {name}" for name in ways if view.key(name))
+        keys = "   ".join(f"{view.key_to_press(name)} {name}" for name in ways if view.key(name))
         before = goal_history(snapshot.history, width, view.waiting, view.held, keys)
         self._history.show_spans(before)
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])

@@ -65,11 +65,12 @@ class MotionPanel(Panel, can_focus=True):
         line = ("", PLAIN), *motion_line(view.snapshot, view.now, width)
         self._line.show_spans(aligned(line, width))
         state = motion_word(view.snapshot, view.now, width)
-        release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"
+        key = view.key_to_press("release")
+        release = f" [u][@click=app.command('release')]({key} releases)[/][/]"
         stopped = state == STOPPED
         self._services[-1][1].set_class(stopped, "-stopped")
         self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
-        can_release = stopped and view.key("release") and "release" not in view.blocked
+        can_release = stopped and key and "release" not in view.blocked
         if can_release:
             self._word.show(Content.assemble(content(state), Content.from_markup(release)))
         else:

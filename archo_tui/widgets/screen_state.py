@@ -18,12 +18,20 @@ class ScreenState(View):
     # By the command's id, as a person reads it.
     keys: Mapping[str, str] = field(default_factory=dict)
     blocked: frozenset[str] = frozenset()  # The ids of the commands that cannot run now.
+    # The ids of the commands whose keys the focused field takes as text, and of what it is for.
+    typed: frozenset[str] = frozenset()
     has_never_sent_goal: bool = False  # This user, in earlier sessions either.
 
     def advice(self, alarm: Alarm) -> str:
         """Return the text of an alarm, with the key of the command that helps if it can run now."""
-        names = ((name, key) for name, key in self.keys.items() if name not in self.blocked)
-        return advice(alarm, remedy_hints(self.snapshot, {n: f"press {key}" for n, key in names}))
+        names = [name for name, key in self.keys.items() if key and name not in self.blocked]
+        hints = {name: f"press {self.key_to_press(name)}" for name in names}
+        return advice(alarm, remedy_hints(self.snapshot, hints))
+
+    def key_to_press(self, command: str) -> str:
+        """Return the key of a command, behind `esc` while it is text; "" if it has none."""
+        key = self.key(command)
+        return f"esc {key}" if key and command in self.typed else key
 
     def key(self, command: str) -> str:
         """Return the key of a command by its id, or "" if it has none."""
