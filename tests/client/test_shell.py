@@ -311,7 +311,7 @@ def test_what_asks_is_answered_at_the_callers_terminal(
     try:
         script.type("stop\n")
         script.until("STOP: confirmed")
-        terminal = Terminal("release")
+        terminal = Terminal("release", domain=script.domain)
         terminals.append(terminal)
         terminal.until("nothing resumes by itself. [y/N]")
         terminal.write(typed)

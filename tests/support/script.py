@@ -35,8 +35,9 @@ class Script:
 
     def __init__(self, *words: str, fresh: bool = False) -> None:
         """`fresh` starts a new interpreter: one that can be suspended and looked at."""
+        self.domain = chosen.next_domain()
         environ = {
-            "ROS_DOMAIN_ID": str(chosen.next_domain()),
+            "ROS_DOMAIN_ID": str(self.domain),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
         }
         arguments = "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words

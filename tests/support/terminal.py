@@ -31,10 +31,12 @@ class Terminal:
         size: tuple[int, int] = (120, 36),
         term: str = "xterm-256color",
         fresh: bool = False,
+        domain: int | None = None,
     ) -> None:
         """`code` is Python to run before the command line is obeyed; `fresh`: before it is loaded.
 
-        Of a terminal that is not `controlling` no signal comes when it hangs up.
+        Of a terminal that is not `controlling` no signal comes when it hangs up. Without a `domain`
+        it has one of its own.
         """
         self.output = b""
         self._master, slave = pty.openpty()
@@ -44,7 +46,7 @@ class Terminal:
         arguments = ["--engine", chosen.ENGINE, *words]
         environment = {
             "TERM": term,
-            "ROS_DOMAIN_ID": str(chosen.next_domain()),
+            "ROS_DOMAIN_ID": str(chosen.next_domain() if domain is None else domain),
             # A program is a process of its own there.
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST" if "--node" in words else "OFF",
         }
