@@ -1,4 +1,4 @@
-"""What documents have from the code, between two comments, and the schema of robot files.
+"""What documents and reserved.py have from the code, between two comments; the robot file's schema.
 
     python -m tests.generated
 
@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import json
 import re
+import textwrap
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
+from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.cli.verb_help import verbs_of_file
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING, readable_key
@@ -26,6 +28,10 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 SCHEMA = ROOT / "config" / "robots" / "schema.json"
 _PART = re.compile(r"(<!-- made by python -m tests\.generated: (\w+) -->\n).*?(<!-- end -->)", re.S)
+RESERVED = ROOT / "archo_tui" / "robot_file" / "reserved.py"
+_WORDS = re.compile(r"(# made by python -m tests\.generated: words\n).*?(# end\n)", re.S)
+# Of `--plain` alone; one that is to come; of a replay; of a panel that may come.
+_FURTHER = ("help", "quit", "wait", "allow", "deny", "rewind", "time_line", "panel_9")
 _TEXT, _NONE = {"$ref": "#/$defs/text"}, {"$ref": "#/$defs/none"}
 _SCALARS: dict[Any, dict[str, Any]] = {
     str: _TEXT,
@@ -222,6 +228,21 @@ _PARTS = {
 }
 
 
+def reserved() -> str:
+    """The console's own words, of verbs in the order of help."""
+    robot = load(default_path())
+    given = {word for command in robot.commands for word in (command.id, command.off_word)}
+    verbs = [verb for verb in verbs_of_file() if verb not in given]
+    others = {*_FURTHER, *SUBCOMMANDS, *(command.id for command in registry(model.RobotFile()))}
+    lists = {"VERBS": verbs, "_OTHERS": sorted(others - {*verbs})}
+    return "".join(f"{name} = (\n{_rows(words)})\n" for name, words in lists.items())
+
+
+def _rows(words: Sequence[str]) -> str:
+    filled = textwrap.wrap(", ".join(f'"{word}"' for word in words), 90)
+    return "".join(f"    *({row.removesuffix(',')}),\n" for row in filled)
+
+
 def files() -> dict[Path, str]:
     """The text that each file with such a part should have."""
 
@@ -230,6 +251,8 @@ def files() -> dict[Path, str]:
 
     pages = {page: page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")}
     made = {page: _PART.sub(part, text) for page, text in pages.items() if _PART.search(text)}
+    code = RESERVED.read_text(encoding="utf-8")
+    made[RESERVED] = _WORDS.sub(lambda found: f"{found[1]}{reserved()}{found[2]}", code)
     return made | {SCHEMA: json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"}
 
 

@@ -4,37 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-# The verbs that every robot has, as they are typed.
+# The verbs that every robot with goals has, and the other words: subcommands of archo-tui, and the
+# commands that only the screen has, as named in a keymap.
+# made by python -m tests.generated: words
 VERBS = (
-    *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
-    *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics", "forget"),
-    *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "topics", "echo", "hz", "interface", "tf"),
-    *("start", "halt", "copy", "log_level", "lifecycle"),
-    *("send_goal", "call", "pub"),
-    *("places", "save_place", "save_queue", "go_list"),
+    *("go", "cancel", "continue", "skip", "send_goal", "places", "save_place", "save_queue"),
+    *("go_list", "stop", "release", "give_up_stop", "call", "status", "events", "history"),
+    *("diagnostics", "forget", "keep", "alarms", "ack", "shelve", "get", "set", "undo"),
+    *("params", "save", "load", "nodes", "start", "halt", "copy", "log_level", "lifecycle"),
+    *("topics", "echo", "hz", "tf", "interface", "pub"),
 )
+_OTHERS = (
+    *("all_parameters", "allow", "cancel_all", "chapter", "check", "completions", "consoles"),
+    *("copy_command", "deny", "describe_robot", "details", "edit", "filter", "full_screen"),
+    *("help", "help_everywhere", "journal", "keep_robot", "keys", "launch", "level", "longer"),
+    *("look", "mcp", "only_changed", "other_robot", "palette", "panel_1", "panel_2", "panel_3"),
+    *("panel_4", "panel_5", "panel_6", "panel_7", "panel_8", "panel_9", "quiet_alarms", "quit"),
+    *("quit_everywhere", "recordings", "replay", "resource", "restart", "restore", "rewind"),
+    *("robot", "save_events", "search", "shorter", "start_stop", "suspend", "switch"),
+    *("time_line", "wait", "whole_event"),
+)
+# end
 # The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow", "--once")
 VERB_VALUES = ("--to", "--timeout")
-RESERVED = frozenset(
-    {
-        *VERBS,
-        *("help", "quit"),
-        # Subcommands of archo-tui.
-        *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
-        *("recordings", "replay", "rewind", "robot", "launch", "look", "chapter"),
-        # Commands that only the screen has, as named in a keymap.
-        *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
-        *(f"panel_{digit}" for digit in range(1, 10)),
-        "time_line",
-        *("edit", "restore", "switch", "only_changed", "all_parameters", "filter"),
-        *("start_stop", "restart", "details", "resource"),
-        *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
-        *("shorter", "longer"),
-        *("help_everywhere", "palette", "quiet_alarms", "suspend", "quit_everywhere"),
-    }
-)
+RESERVED = frozenset({*VERBS, *_OTHERS})
 
 
 def unused_word(word: str, used: Collection[str]) -> str:

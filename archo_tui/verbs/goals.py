@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Awaitable, Iterable, Mapping, Sequence
+from collections.abc import Awaitable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.daemon_threads import in_daemon
@@ -21,13 +21,13 @@ from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
 from archo_tui.robot_file.check import is_place_name
-from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
+from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef, RobotFile
 from archo_tui.ros_names import base_name
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station
 from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
-from archo_tui.verbs.verb import Argument, Question, Values, Verb
+from archo_tui.verbs.verb import Argument, Forms, Question, Values, Verb
 
 # The keys of these verbs' values: the kind; a mapping of values by dotted path for each goal; and
 # the goal that ran at the time.
@@ -102,6 +102,12 @@ class Go(Verb):
             return [*(others(station, words) if others else ()), *station.places.of(self.kind)]
 
         return argument._replace(completer=complete)
+
+    @classmethod
+    def of_robot(cls, robot: RobotFile, forms: Forms) -> Iterator[Go]:
+        """Yield the verb of each goal of the robot file, of which the first is `go`."""
+        for number, kind in enumerate(robot.goals):
+            yield cls(kind, forms.get(kind.id), "" if number else "go")
 
     @property
     def usage(self) -> str:
@@ -193,56 +199,6 @@ def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
     return Argument(label, field.type, several, low=low, high=high, unit=unit, completer=numbers)
 
 
-def _action_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return station.robot.snapshot.actions
-
-
-class SendGoal(Verb):
-    """The verb `send_goal`: send one goal to any action on the graph, also in another namespace.
-
-    For an action of the robot file, its labels, fixed values and limits hold, and several goals can
-    be given as to its own verb.
-    """
-
-    id, title = "send_goal", "Send a goal"
-    help = "Send a goal to any action on the graph"
-    arguments = (
-        Argument("action", completer=_action_names),
-        Argument("field=value", many=True, optional=True),
-    )
-    acts = moves = has_goals = may_ask = True
-
-    def disabled_reason(self, station: Station) -> str:
-        return "" if station.robot.snapshot.actions else "no action is on the graph"
-
-    async def prepare(self, station: Station, values: Values) -> Values:
-        snapshot, found = station.robot.snapshot, station.robot.snapshot.actions
-        name = full_name(snapshot, values["action"], found)
-        known = kind_of(snapshot, name)
-        if known is not None:  # Use the robot file's labels and fixed values.
-            go = Go(known, snapshot.forms.get(known.id))
-            return {KIND: known, **await go.prepare(station, go.values(values["field=value"]))}
-        if is_elsewhere(snapshot, name):
-            found = {**found, name: await station.robot.types_anywhere(name, is_action=True)}
-        type_name = type_of("action", name, found)
-        fields = await fields_of(station, name, type_name, values["field=value"])
-        short = base_name(name)
-        return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
-
-    def question(self, station: Station, values: Values) -> Question | None:
-        return low_battery_question(station, "Send")
-
-    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        accept_low_battery(station)
-        return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
-
-
-def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
-    """Return the goal of the robot file for an action's full name; None if the file has none."""
-    goals = snapshot.file.goals
-    return next((kind for kind in goals if snapshot.full(kind.action) == action), None)
-
-
 class Cancel(Verb):
     id, title = "cancel", "Cancel"
     help = "Cancel the running goal, or every goal; the queue behind it is held; end pub, too"
@@ -326,3 +282,53 @@ class SkipGoal(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return station.goals.skip()
+
+
+def _action_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    return station.robot.snapshot.actions
+
+
+class SendGoal(Verb):
+    """The verb `send_goal`: send one goal to any action on the graph, also in another namespace.
+
+    For an action of the robot file, its labels, fixed values and limits hold, and several goals can
+    be given as to its own verb.
+    """
+
+    id, title = "send_goal", "Send a goal"
+    help = "Send a goal to any action on the graph"
+    arguments = (
+        Argument("action", completer=_action_names),
+        Argument("field=value", many=True, optional=True),
+    )
+    acts = moves = has_goals = may_ask = True
+
+    def disabled_reason(self, station: Station) -> str:
+        return "" if station.robot.snapshot.actions else "no action is on the graph"
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        snapshot, found = station.robot.snapshot, station.robot.snapshot.actions
+        name = full_name(snapshot, values["action"], found)
+        known = kind_of(snapshot, name)
+        if known is not None:  # Use the robot file's labels and fixed values.
+            go = Go(known, snapshot.forms.get(known.id))
+            return {KIND: known, **await go.prepare(station, go.values(values["field=value"]))}
+        if is_elsewhere(snapshot, name):
+            found = {**found, name: await station.robot.types_anywhere(name, is_action=True)}
+        type_name = type_of("action", name, found)
+        fields = await fields_of(station, name, type_name, values["field=value"])
+        short = base_name(name)
+        return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
+
+    def question(self, station: Station, values: Values) -> Question | None:
+        return low_battery_question(station, "Send")
+
+    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        accept_low_battery(station)
+        return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
+
+
+def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
+    """Return the goal of the robot file for an action's full name; None if the file has none."""
+    goals = snapshot.file.goals
+    return next((kind for kind in goals if snapshot.full(kind.action) == action), None)

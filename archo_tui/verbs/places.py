@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Iterable, Mapping, Sequence
+from collections.abc import Awaitable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -10,14 +10,26 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.goal import values_text
-from archo_tui.robot_file.model import GoalKind
+from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.goal_driver import MAX_QUEUED_GOALS
 from archo_tui.station.station import Station
 from archo_tui.verbs.goals import GOALS, Go, accept_low_battery, low_battery_question
-from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb
+from archo_tui.verbs.verb import Argument, Forms, NotPossible, Question, Values, Verb
 
 
-class ShowPlaces(Verb):
+class _PlaceVerb(Verb):
+    """The base of these verbs, which a robot with goals has."""
+
+    def __init__(self, goals: Sequence[Go]) -> None:
+        self._goals = goals
+
+    @classmethod
+    def of_robot(cls, robot: RobotFile, forms: Forms) -> Iterator[Verb]:
+        if robot.goals:
+            yield cls([*Go.of_robot(robot, forms)])
+
+
+class ShowPlaces(_PlaceVerb):
     id, title, tells = "places", "Places", True
     help = "List the places and the lists of goals"
 
@@ -36,27 +48,27 @@ class ShowPlaces(Verb):
         return Report.of("\n".join(lines) or "no place has a name yet: save_place NAME", data)
 
 
-class SavePlace(Verb):
+class SavePlace(_PlaceVerb):
     """The verb `save_place`: give a goal's values, or the robot's pose, a name."""
 
     id, title = "save_place", "Save a place"
     help = "Save where the robot is, or a goal, as a place with a name"
     arguments = (Argument("name"), Argument("value", many=True, optional=True))
 
-    def __init__(self, goals: Sequence[Go]) -> None:
-        self._go = goals[0]
-        # The goal that leads to where the robot is; None if none of the robot's is a pose.
-        self.pose_goal = next((go for go in goals if is_pose(go.kind)), None)
+    @property
+    def pose_goal(self) -> Go | None:
+        """The goal that leads to where the robot is; None if none of the robot's is a pose."""
+        return next((go for go in self._goals if is_pose(go.kind)), None)
 
     async def prepare(self, station: Station, values: Values) -> Values:
+        first = self._goals[0]
         if not values["value"]:
-            go = self.pose_goal or self._go
+            go = self.pose_goal or first
             return {**values, GOALS: [self._pose(station, go.kind)], "go": go}
-        typed = self._go.values(values["value"])
-        prepared = await self._go.prepare(station, typed)
+        prepared = await first.prepare(station, first.values(values["value"]))
         if len(prepared[GOALS]) != 1:
             raise ValueError("a place is one goal; save_queue saves several")
-        return {**values, **prepared, "go": self._go}
+        return {**values, **prepared, "go": first}
 
     def _pose(self, station: Station, kind: GoalKind) -> dict[str, Any]:
         """Return the goal that leads to where the robot is; NotPossible if that is not known."""
@@ -97,16 +109,16 @@ def pose_goal(kind: GoalKind, pose: Mapping[str, float]) -> dict[str, Any]:
     return found
 
 
-class SaveQueue(Verb):
+class SaveQueue(_PlaceVerb):
     id, title = "save_queue", "Save the queue"
     help = "Save the running goal and the queue as a list with a name"
     arguments = (Argument("name"),)
 
     def disabled_reason(self, station: Station) -> str:
-        return "" if self._goals(station) else "no goal runs or waits"
+        return "" if self._present(station) else "no goal runs or waits"
 
     @staticmethod
-    def _goals(station: Station) -> list[QueuedGoal]:
+    def _present(station: Station) -> list[QueuedGoal]:
         """Return the running goal, if it is ours, and those behind it."""
         running, kinds = station.running_goal, station.robot.file.goals
         first = [] if running is None or not running.mine else [running]
@@ -114,7 +126,7 @@ class SaveQueue(Verb):
         return [goal for goal in (*goals, *station.queue.waiting) if goal.kind in kinds]
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        goals = self._goals(station)
+        goals = self._present(station)
         await in_daemon(station.places.save_list, values["name"], goals)
         shown = ", ".join(goal.text for goal in goals)
         station.robot.note("YOU", "console", f"list {values['name']}: saved as {shown}")
@@ -126,7 +138,7 @@ def _lists(station: Station, _: Sequence[str]) -> Iterable[str]:
     return station.places.lists
 
 
-class Drive(Verb):
+class Drive(_PlaceVerb):
     """The verb `go_list`: send the goals of a list, once or several times in turn."""
 
     id, title = "go_list", "Go to the goals of a list"
@@ -137,17 +149,14 @@ class Drive(Verb):
     )
     acts = moves = has_goals = may_ask = True
 
-    def __init__(self, goals: Sequence[Go]) -> None:
-        self._goals = {go.kind.id: go for go in goals}
-
     async def prepare(self, station: Station, values: Values) -> Values:
         text = values.get("n", "1")
         if not (text.isascii() and text.isdecimal() and 1 <= int(text[:9]) <= MAX_QUEUED_GOALS):
             raise ValueError(f"how often: from 1 to {MAX_QUEUED_GOALS}, not {text}")
         await in_daemon(station.places.read_again)
-        checked = []
+        by_id, checked = {go.kind.id: go for go in self._goals}, []
         for goal in station.places.goals(values["name"]):
-            go = self._goals[goal.kind.id]
+            go = by_id[goal.kind.id]
             given = await go.prepare(station, {GOALS: [go.parsed(goal.values)]})
             checked.append(goal._replace(values=given[GOALS][0]))
         return {**values, GOALS: checked * int(text)}

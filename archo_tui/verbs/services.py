@@ -5,18 +5,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from archo_tui.robot.messages.typed import as_typed, typed_request
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot_file.model import CommandService, Scalar
+from archo_tui.robot_file.model import CommandService, RobotFile, Scalar
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.verbs.goals import Go, kind_of
 from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
 from archo_tui.verbs.stop import ReleaseStop, StopNow
-from archo_tui.verbs.verb import YES, Argument, Question, Values, Verb, named
+from archo_tui.verbs.verb import YES, Argument, Forms, Question, Values, Verb, named
 
 _ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 _CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"
@@ -45,6 +45,13 @@ class Give(Verb):
         self.service, self.moves = given.service, given.moves
         self.request: Mapping[str, Scalar] = dict.fromkeys(given.toggle, on)
         self.may_ask = given.ask != "never"
+
+    @classmethod
+    def of_robot(cls, robot: RobotFile, _forms: Forms) -> Iterator[Verb]:
+        for command in robot.commands:
+            yield cls(command)
+            if command.toggle:
+                yield cls(command, on=False)
 
     def question(self, station: Station, values: Values) -> Question | None:
         goal, given = station.running_goal, self.given

@@ -32,7 +32,8 @@ from archo_tui.text.line_by_line import (
 from archo_tui.text.state import elsewhere_text, gauge_line, motion_unit, no_data_text, pose_line
 from archo_tui.verbs.as_json import event, state
 from archo_tui.verbs.as_json import goal as goal_data
-from archo_tui.verbs.verb import Argument, Values, Verb
+from archo_tui.verbs.goals import Go
+from archo_tui.verbs.verb import Argument, Forms, Values, Verb
 
 _EVENTS = 20
 
@@ -40,6 +41,11 @@ _EVENTS = 20
 class Status(Verb):
     id, title, tells, lists = "status", "Status", True, True
     help = "Show the state of the robot"
+
+    @classmethod
+    def of_robot(cls, robot: RobotFile, forms: Forms) -> Iterator[Verb]:
+        ask = next((go.how for go in Go.of_robot(robot, forms)), "")
+        yield cls(ask, robot)
 
     def __init__(self, ask: str, robot: RobotFile) -> None:
         """Create the verb; `ask` is the hint how to send a goal, shown while there is none."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Latch
-from archo_tui.robot_file import model
+from archo_tui.robot_file.model import RobotFile, StopServices
 from archo_tui.station.station import Station
-from archo_tui.verbs.verb import Question, Values, Verb
+from archo_tui.verbs.verb import Forms, Question, Values, Verb
 
 
 class StopNow(Verb):
@@ -16,7 +18,11 @@ class StopNow(Verb):
     help = "STOP: software stop, holds until released; does not replace the hardware stop"
     acts = urgent = True
 
-    def __init__(self, stop: model.StopServices | None) -> None:
+    @classmethod
+    def of_robot(cls, robot: RobotFile, _forms: Forms) -> Iterator[Verb]:
+        yield cls(robot.stop)
+
+    def __init__(self, stop: StopServices | None) -> None:
         self.service = "" if stop is None else stop.service
         self.request = {} if stop is None else stop.request
         if stop is None:
@@ -37,7 +43,11 @@ class ReleaseStop(Verb):
     help = "Release the stop (asks first); no goal resumes by itself"
     acts = moves = may_ask = True
 
-    def __init__(self, stop: model.StopServices | None) -> None:
+    @classmethod
+    def of_robot(cls, robot: RobotFile, _forms: Forms) -> Iterator[Verb]:
+        yield cls(robot.stop)
+
+    def __init__(self, stop: StopServices | None) -> None:
         self.service = "" if stop is None else stop.release
         self.request = {} if stop is None else stop.release_request
 

@@ -5,20 +5,22 @@ A verb is parsed (`parse`), and run once the robot is found and a person agrees 
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.clients.requester import current_requester
-from archo_tui.robot.messages.types import INTEGERS, element_of
+from archo_tui.robot.messages.types import INTEGERS, TypedField, element_of
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.graph import NOT_REPORTED
 from archo_tui.robot.state.snapshot import Life, Snapshot
-from archo_tui.robot_file.model import Limit
+from archo_tui.robot_file.model import Limit, RobotFile
 from archo_tui.station.station import Station
 
 Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
+# The fields of each goal by its id, without goals whose type is not installed.
+Forms = Mapping[str, Sequence[TypedField]]
 YES = "--yes"  # Answers a verb's question.
 DISCOVERY_TIME = 2.0  # Seconds after the start by which every server on the graph is found.
 ROBOT_TIMEOUT = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
@@ -124,6 +126,11 @@ class Verb:
     lasts = False
     has_goals = False
     service = ""
+
+    @classmethod
+    def of_robot(cls, _robot: RobotFile, _forms: Forms) -> Iterator[Verb]:
+        """Yield the verbs of this class for a robot: by default one."""
+        yield cls()
 
     def values(self, words: Sequence[str]) -> Values:
         """Return the values that the words after the verb mean, by the names of the arguments.

@@ -10,14 +10,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.commands import registry
 from archo_tui.console.plain import help_text
 from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.values import read
 from archo_tui.robot_file.load import default_path, dump, load
 from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile
-from archo_tui.robot_file.reserved import RESERVED
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 
@@ -299,20 +297,6 @@ def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:
         assert robot.battery.types["a/msg/B"].percentage.equals == meant
         file.write_text(dump(robot))
         assert load(file) == robot
-
-
-NO_VERBS = ("allow", "deny", "rewind")  # of `--plain` alone, and one that is to come
-
-
-PLACES = ("places", "save_place", "save_queue", "go_list")  # Of robots with goals.
-
-
-def test_the_consoles_words_are_all_reserved_and_no_others() -> None:
-    typed = {line.split()[0].rstrip(":") for line in help_text(verbs(RobotFile(), {})).splitlines()}
-    ids = {command.id for command in registry(RobotFile())}
-    words = typed | ids | {"go", "wait", *PLACES} | set(SUBCOMMANDS)
-    words |= {"time_line", "panel_9"}  # Of a replay, and of a panel that may come.
-    assert words == RESERVED - set(NO_VERBS)
 
 
 def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -> None:
