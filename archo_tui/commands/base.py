@@ -80,7 +80,8 @@ class Desk:
     def _state(self) -> ScreenState:
         never = not self.has_sent
         station = vars(self.station.view)
-        return ScreenState(**station, keys=self.shown_keys, has_never_sent_goal=never)
+        listed = {c.id: self.shown_keys[c.id] for c in self.registry if c.is_listed}
+        return ScreenState(**station, keys=listed, has_never_sent_goal=never)
 
     def update_screen(self) -> None:
         """Show the station's present state at once, not only with the next message of the robot."""
@@ -235,6 +236,7 @@ class Command:
     waits_for_answer: bool = False  # Not run before its answer, or for a held key.
     resend_after: float = 0.0  # Seconds until a held key runs it again.
     verbs: tuple[str, ...] = ()  # Those that it runs, or that print what it shows.
+    is_listed: bool = True  # On the panels, in `?` and in the palette.
     gives_way: bool = False  # A robot file or a keymap may take its key.
     from_file: str = ""  # `FILE:LINE` of the robot file that defines it.
 

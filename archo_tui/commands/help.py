@@ -109,7 +109,7 @@ def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
     taken = panel.field_keys if panel is not None else ()
     entries = [Entry(here, key, word, True) for key, word in taken]
     for command in desk.registry:
-        if isinstance(command, PanelKey):
+        if isinstance(command, PanelKey) or not command.is_listed:
             continue
         entry = _help_entry(desk, command)
         if entry.key and entry.works and command.id in _FOR_A_STATE:

@@ -110,7 +110,8 @@ class CommandPalette(Choose):
 
 def palette_choices(desk: Desk) -> list[Choice]:
     """Return all rows, those that can be done now first: of them release, go, cancel and STOP."""
-    commands = {c.id: _command_choice(desk, c) for c in desk.registry if c.id not in _DUPLICATES}
+    listed = [c for c in desk.registry if c.is_listed and c.id not in _DUPLICATES]
+    commands = {c.id: _command_choice(desk, c) for c in listed}
     first = [commands.pop(name) for name in _FIRST if name in commands]
     screenshot = "screenshot export svg"
     rows = [
@@ -170,7 +171,7 @@ async def _set(desk: Desk, verb: Set, values: Values) -> None:
 
 def _goal_choices(desk: Desk, typed: str) -> list[Choice]:
     """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`, or no row."""
-    go = next((command for command in desk.registry if command.id == "go"), None)
+    go = _go_command(desk)
     kinds, panel = desk.view.snapshot.file.goals, desk.main.goal
     words = typed.split()
     if go is None or not kinds or not panel.takes_numbers or not words:
@@ -182,9 +183,14 @@ def _goal_choices(desk: Desk, typed: str) -> list[Choice]:
     return [Choice(title, partial(_send_numbers, desk, go, typed), "enter", reason)]
 
 
+def _go_command(desk: Desk) -> Command | None:
+    """Return the command that sends a goal; None in a replay."""
+    return next((c for c in desk.registry if c.id == "go" and c.is_listed), None)
+
+
 def _place_choices(desk: Desk) -> Iterator[Choice]:
     """Yield a row for each place and each list of goals; none in a replay."""
-    if all(command.id != "go" for command in desk.registry):
+    if _go_command(desk) is None:
         return
     places, station = desk.station.places, desk.station
     for go in (verb for verb in desk.verbs.values() if isinstance(verb, Go)):

@@ -9,6 +9,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import (
     EVERYWHERE,
     IN_PANEL,
+    NOT_TYPING,
     Command,
     ConsoleApp,
     Desk,
@@ -60,12 +61,15 @@ def _commands_over_live(
 
 
 def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
-    """Return the time line's commands, a list of recorded alarms, and all that change nothing."""
+    """Return the time line's commands, a list of recorded alarms, and all that change nothing.
+
+    The keys of those that act say that nothing was sent.
+    """
     commands = registry(player.file, verbs)
     panels = [command for command in commands if isinstance(command, PanelKey)]
     panels[0].footer_key = f"1-{TimeLine.number}"
     shown = [c for c in commands if isinstance(c, PanelKey) or c.id in _HARMLESS]
-    return (
+    own = (
         Play(player),
         StepSeconds(player, "back", "left", -1.0),
         StepSeconds(player, "on", "right", 1.0, "1 s"),
@@ -83,6 +87,23 @@ def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[C
         TimeLineKey(player.file),
         ShowRecordedAlarms(player),
     )
+    used = {command.key for command in own}
+    acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
+    return *own, *(NotSent(c) for c in acting if c.key not in used and c not in shown)
+
+
+class NotSent(Command):
+    """The key of a command that acts on a robot, which says in a replay that nothing was sent."""
+
+    is_listed = False
+
+    def __init__(self, command: Command) -> None:
+        self.id, self.key, self.help = command.id, command.key, command.help
+
+    def run(self, desk: Desk) -> None:
+        key = desk.view.key("quit")
+        way = f"press {key} for the live robot" if desk is not desk.live else f"{key} leaves it"
+        desk.show_message(f"REPLAY: {self.id} was not sent: {way}.")
 
 
 class ReplayDesk(Desk):

@@ -200,6 +200,17 @@ async def test_no_other_key_of_a_replay_reaches_the_live_robot() -> None:
         assert "MOVING to 12" in op.text
 
 
+@pytest.mark.parametrize(("key", "verb"), [("R", "release"), ("g", "go"), ("c", "charge")])
+async def test_a_key_that_acts_on_the_robot_says_in_a_replay_that_nothing_was_sent(
+    key: str, verb: str
+) -> None:
+    async with recorded() as op:
+        await play(op)
+        await op.press(key)
+        await op.until(f"REPLAY: {verb} was not sent: press q for the live robot")
+        assert op.app.station.robot.snapshot.events[-1].level != "YOU"
+
+
 async def test_the_stop_button_that_a_replay_covers_cannot_be_clicked() -> None:
     async with recorded(size=(160, 48)) as op:
         button = op.app.main.query_one("#stop").region
