@@ -27,7 +27,7 @@ import sys
 from pathlib import Path
 import archo_tui.session
 from archo_tui.user_code import interfaces
-print("archo_tui.launch.package" in sys.modules)
+print("archo_tui.launch.workspace" in sys.modules)
 interfaces.find_all([Path("interfaces")], "embedded")
 print("archo_tui.launch.setup_script" in sys.modules)
 """

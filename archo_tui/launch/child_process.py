@@ -67,17 +67,10 @@ def _run(module: str, given: bytes, seconds: float) -> tuple[bytes, str, int]:
     """Run a module's `main()`, and return its answer, what it has printed, and its exit code."""
     # The path of this process, so that no file of the current folder is taken for a module.
     code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
-    pipe = subprocess.PIPE
-    try:
-        process = subprocess.Popen(
-            [sys.executable, "-c", code],
-            stdin=pipe,
-            stdout=pipe,
-            stderr=pipe,
-            start_new_session=True,
-        )
-    except OSError as error:
-        raise ArchoError(f"cannot start {sys.executable}: {error.strerror}") from None
+    pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    command = [sys.executable, "-c", code]
+    process: subprocess.Popen[bytes]
+    process = subprocess.Popen(command, start_new_session=True, **pipes)
     assert process.stdin
     assert process.stdout
     assert process.stderr

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.launch import child_process
-from archo_tui.launch.package import EntryPoint
 from archo_tui.launch.plan import LaunchArgument, LaunchedProgram, LaunchNote, LaunchPlan
-from archo_tui.launch.stand_ins.markup import ENDINGS
-from archo_tui.launch.workspace import Workspace
+from archo_tui.launch.workspace import EntryPoint, Workspace
 
 EVALUATION_TIME = 10.0  # Seconds that a launch file may take.
-_LAUNCH_FILES = (".py", *ENDINGS)  # The ends of their names.
+_LAUNCH_FILES = (".py", ".xml", ".launch", ".yaml", ".yml")  # The ends of their names.
 _CHILD = "archo_tui.launch.evaluation"
 
 
@@ -40,11 +37,11 @@ def evaluate(
     arguments: Mapping[str, str] | None,
     seconds: float = EVALUATION_TIME,
 ) -> LaunchPlan:
-    """Return what a launch file, run in a process of its own, would start.
+    """Return what a launch file, run in a process of its own, would start; raise LaunchFileError.
 
     A program that is not here is left out with a note; without `arguments` all are, and the plan
     says only which arguments there are. Nodes read files in `prefix`, which the caller removes.
-    Blocks: not for the UI thread. Raises LaunchFileError.
+    Blocks: not for the UI thread.
     """
     path = Path(given).resolve()
     if not path.is_file():
@@ -71,15 +68,12 @@ def evaluate(
         text = f"{where(error.file, error.line)}: {error}"
         raise LaunchFileError(text, error.report) from None
     notes = [LaunchNote(n["level"], where(*n["place"]), n["text"]) for n in value["notes"]]
+    programs = [{**p, "entry_point": EntryPoint(**p["entry_point"])} for p in value["programs"]]
     return LaunchPlan(
-        [_program(found) for found in value["programs"]],
+        [LaunchedProgram(**program) for program in programs],
         notes + [LaunchNote("WARN", given, problem) for problem in workspace.problems],
         [LaunchArgument(**found) for found in value["arguments"]],
         value["environment"],
         printed,
         value["files"],
     )
-
-
-def _program(found: dict[str, Any]) -> LaunchedProgram:
-    return LaunchedProgram(**{**found, "entry_point": EntryPoint(**found["entry_point"])})

@@ -11,25 +11,28 @@ from typing import Any
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process
 from archo_tui.launch.child_process import ChildError
-from archo_tui.launch.stand_ins import frontend, markup, packages
-from archo_tui.launch.stand_ins.actions import DeclareLaunchArgument
+from archo_tui.launch.stand_ins import markup, packages
+from archo_tui.launch.stand_ins.actions import (
+    DeclareLaunchArgument,
+    load_launch_file,
+    loaded,
+    loaders,
+)
 from archo_tui.launch.stand_ins.core import (
     LaunchContext,
-    LaunchDescription,
     Place,
     SubstitutionFailure,
-    describe,
+    described,
     known_entities,
     visit,
     visit_delayed,
 )
 from archo_tui.launch.stand_ins.modules import importable_stand_ins
-from archo_tui.launch.stand_ins.sources import LOADERS, load_launch_file, loaded_files
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
 from archo_tui.ros_release import EMBEDDED_RELEASE, distribution
 
-LOADERS.update(dict.fromkeys(markup.ENDINGS, frontend.load))
+loaders.update(markup.LOADERS)
 _own_folders: list[Path] = []  # Of the packages, whose modules a launch file may import.
 
 
@@ -41,7 +44,7 @@ def main() -> None:
 
 def _is_own(filename: str) -> bool:
     beside = any(folder in Path(filename).parents for folder in _own_folders)
-    return filename in loaded_files or beside
+    return filename in loaded or beside
 
 
 def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
@@ -49,6 +52,7 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
     packages.use(packages.PackageIndex(workspace, Path(request["prefix"])))
+    loaded.clear()
     context = LaunchContext()
     before = list(sys.path)
     # Built packages are on Python's path, so a launch file can import their modules.
@@ -57,7 +61,7 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
         with importable_stand_ins():
             return _evaluate(request["file"], request["arguments"], context)
     except BaseException as error:
-        raise _described(error, context) from error
+        raise _with_place(error, context) from error
     finally:
         sys.path[:] = before
 
@@ -69,25 +73,18 @@ def _evaluate(path: str, given: Mapping[str, str] | None, context: LaunchContext
         if isinstance(entity, DeclareLaunchArgument):
             declared.setdefault(entity.name, _as_json(entity, is_conditional))
     if given is not None:
-        _perform(path, description, given, context)
+        context.launch_file = path
+        context.launch_configurations.update(given)
+        visit(description, context, Place(path, 1))
+        visit_delayed(context)
         _note_unknown(path, given, declared.keys() | context.read, context)
     return {
         "programs": context.programs,
         "notes": context.notes,
         "arguments": list(declared.values()),
         "environment": context.changed_environment(),
-        "files": sorted(loaded_files),
+        "files": sorted(loaded),
     }
-
-
-def _perform(
-    path: str, description: LaunchDescription, given: Mapping[str, str], context: LaunchContext
-) -> None:
-    context.locals.current_launch_file_path = path
-    context.locals.current_launch_file_directory = os.path.dirname(path)
-    context.launch_configurations.update(given)
-    visit(description, context, Place(path, 1))
-    visit_delayed(context)
 
 
 def _note_unknown(
@@ -101,7 +98,7 @@ def _note_unknown(
     notes = " ".join(note["text"] for note in context.notes)
     for package, place in packages.index.missing.items():
         if f"{package} is not here" not in notes:
-            near = packages.index.workspace.nearest_package_hint(package)
+            near = packages.index.workspaces[0].nearest_package_hint(package)
             context.note(place, f"package {package} is not here{near}: its folder has no files")
 
 
@@ -110,13 +107,13 @@ def _as_json(argument: DeclareLaunchArgument, is_conditional: bool) -> dict[str,
     return {
         "name": argument.name,
         "description": argument.description or "",
-        "default": None if default is None else describe(default),
+        "default": None if default is None else described(default),
         "choices": argument.choices or (),
         "is_conditional": is_conditional,
     }
 
 
-def _described(error: BaseException, context: LaunchContext) -> ChildError:
+def _with_place(error: BaseException, context: LaunchContext) -> ChildError:
     """Describe an error of a launch file, with the file and line to mend if they are known."""
     found = child_process.described(error, _is_own)
     text, place = str(found), getattr(error, "place", None) or context.failed_at

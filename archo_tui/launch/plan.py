@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from archo_tui.launch.package import EntryPoint
+    from archo_tui.launch.workspace import EntryPoint
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,6 @@ class LaunchedProgram:
     respawn: bool  # It is started again after it has ended.
     respawn_delay: float  # s
     start_delay: float  # s after the start of the launch
-    output: str  # `screen`, `log` or `both`.
     environment: Mapping[str, str | None]  # What differs; None for an unset variable.
     file: str  # The path of the launch file.
     line: int

@@ -6,11 +6,10 @@ because Python has had none of its own since 3.12.
 
 from __future__ import annotations
 
-import configparser
 import os
 import runpy
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -72,9 +71,10 @@ def run(file: str) -> dict[str, Any]:
     if not calls:
         raise child_process.ChildError("it does not call setup()", file, 1)
     given = calls[-1]
+    entry_points = given.get("entry_points") or {}
     try:
         return {
-            "console_scripts": dict(map(_script, _lines(given.get("entry_points") or {}))),
+            "console_scripts": dict(map(_script, entry_points.get("console_scripts") or ())),
             "data_files": [
                 (str(folder), [*map(str, names)]) for folder, names in given.get("data_files") or ()
             ],
@@ -98,17 +98,6 @@ class _StandIn(ModuleType):
         if name.startswith("__"):
             raise AttributeError(name)
         return type(name, (), {"__init__": lambda *_, **__: None, "user_options": []})
-
-
-def _lines(entry_points: Any) -> Iterable[str]:
-    """Return the lines of `console_scripts` in a dict of lists, or in the text of an INI file."""
-    if isinstance(entry_points, str):
-        ini = configparser.RawConfigParser(delimiters="=")
-        ini.optionxform = str  # type: ignore[assignment, method-assign]  # Capitals stay.
-        ini.read_string(entry_points)
-        named = ini["console_scripts"].items() if "console_scripts" in ini else ()
-        entry_points = {"console_scripts": ["=".join(pair) for pair in named]}
-    return entry_points.get("console_scripts") or ()
 
 
 def _script(line: str) -> tuple[str, tuple[str, str]]:

@@ -72,7 +72,7 @@ def _folders(folder: Path) -> list[Path]:
 
 def _name_of(place: Path) -> str:
     """Return the name of an interface package, which its messages can have; raise ArchoError."""
-    from archo_tui.launch.package import read_package
+    from archo_tui.launch.workspace import read_package
 
     name, file = read_package(place).name, place / "package.xml"
     if not is_package_name(name):

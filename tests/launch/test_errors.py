@@ -30,7 +30,8 @@ WRONG = {
         "18: a condition is 'yes': true, 1, false or 0 is wanted"
     ),
     "Node(package='my_robot', executable='talker', name='my-talker'),": (
-        "18: name='my-talker' is no name of a node: letters, digits and _, and no digit first"
+        "18: 'my-talker' is no name of a node or namespace: letters, digits and _, and no digit "
+        "first"
     ),
     "Node(package='my_robot', executable='talker', parameters={'rate': 1}),": (
         "18: TypeError: parameters is a list: parameters=[...], not dict, "

@@ -268,13 +268,13 @@ def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(
     assert [program.line for program in plan.programs] == [8, 8]
 
 
-def test_respawn_output_environment_and_timers_are_told(launcher: Launcher) -> None:
+def test_respawn_environment_and_timers_are_told(launcher: Launcher) -> None:
     talker, listener = launcher.plan(launcher.write(RESPAWN)).programs
-    assert (talker.respawn, talker.respawn_delay, talker.output) == (True, 2.0, "both")
+    assert (talker.respawn, talker.respawn_delay) == (True, 2.0)
     assert talker.environment == {"MODEL": "burger", "LEVEL": "1"}
     assert (talker.start_delay, listener.start_delay) == (0.0, 2.5)
     assert listener.environment == {"MODEL": "burger"}
-    assert (listener.respawn, listener.output) == (False, "log")
+    assert listener.respawn is False
     assert listener.entry_point.module == "my_robot.listener"
 
 
@@ -391,7 +391,7 @@ SMALL = [
     (talker("name='a', condition=IfCondition(NotSubstitution('off'))"), ["a"]),
     (talker("name='a', condition=IfCondition(EqualsSubstitution('1', '1.0'))"), ["a"]),
     (talker("name='a', condition=IfCondition(AndSubstitution('on', 'no'))"), []),
-    (talker("name='a', condition=IfCondition(AnySubstitution('off', 'yes'))"), ["a"]),
+    (talker("name='a', condition=IfCondition(OrSubstitution('off', 'yes'))"), ["a"]),
     (talker("name='a', condition=LaunchConfigurationEquals('x', None)"), ["a"]),
     (talker("name='a', condition=LaunchConfigurationNotEquals('x', 'b')"), ["a"]),
     (named("IfElseSubstitution('0', 'a', 'b')"), ["b"]),

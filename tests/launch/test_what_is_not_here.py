@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from tests.launch.planning import Launcher
+from tests.launch.planning import WORKSPACE, Launcher
 
 TALKER = "Node(package='my_robot', executable='talker')"
 
 REFUSED = {
     "ExecuteProcess(cmd=['ros2', 'bag', 'record'])": (
-        "ExecuteProcess: no other programs are started here: start it in another terminal"
+        "ExecuteProcess does not run here, nor what needs it: ROS 2 runs it"
     ),
     "Node(executable='/bin/true')": (
         "a Node without package runs /bin/true, which is not started here"
@@ -29,25 +29,22 @@ REFUSED = {
         "setup.py"
     ),
     "Node(package='my_robot', executable='lost')": (
-        "lost = my_robot.listner:main in setup.py of my_robot: there is no my_robot/listner.py "
-        "(nearest: listener)"
+        f"lost in setup.py of my_robot: there is no Python file {WORKSPACE.resolve()}/src/my_robot/"
+        "my_robot/listner.py (nearest: listener)"
     ),
     "RegisterEventHandler(OnProcessExit(target_action=TimerAction(period=1.0, actions=[])))": (
-        "RegisterEventHandler: launch's events are not followed here: what waits for one does "
-        "not start"
+        "RegisterEventHandler does not run here, nor what needs it: ROS 2 runs it"
     ),
     "IncludeLaunchDescription(os.path.join(get_package_share_directory('nav2'), 'a.launch.py'))": (
         "nav2 is not here: start its a.launch.py with ROS 2"
     ),
     "Node(package='my_robot', executable='talker', parameters=[{'model': Command('xacro a')}])": (
-        "Command: no command is run here: what needs its output is left out"
+        "Command does not run here, nor what needs it: ROS 2 runs it"
     ),
     "ComposableNodeContainer(name='c', namespace='', package='c', executable='e')": (
-        "ComposableNodeContainer: components are written in C++: start them with ROS 2"
+        "ComposableNodeContainer does not run here, nor what needs it: ROS 2 runs it"
     ),
-    "SetUseSimTime(True)": (
-        "SetUseSimTime: it sets use_sim_time of launch itself: SetParameter sets it for nodes"
-    ),
+    "SetUseSimTime(True)": "SetUseSimTime does not run here, nor what needs it: ROS 2 runs it",
 }
 
 
@@ -132,7 +129,7 @@ def test_xacro_and_other_packages_are_left_out_where_they_are_needed(launcher: L
         )
     )
     assert [note.text for note in plan.notes] == [
-        "process_file: xacro is not run here: what needs its output is left out (line 9)"
+        "process_file does not run here, nor what needs it: ROS 2 runs it (line 9)"
     ]
     assert launcher.commands(plan) == ["my_robot listener"]
 
@@ -159,7 +156,7 @@ def test_the_packages_are_those_of_the_workspace_and_what_was_set_is_not_read(
         )
     )
     assert [note.text for note in plan.notes] == [
-        "Parameter: what SetParameter has set is not read here: use a LaunchConfiguration"
+        "Parameter does not run here, nor what needs it: ROS 2 runs it"
     ]
     assert launcher.commands(plan) == ["my_robot listener"]
 

@@ -150,7 +150,7 @@ def test_a_launch_file_runs_its_programs_each_as_it_says(
         assert nodes["/spare"].get_parameter("speed").value == 2.5
         assert os.environ["WHEELS"] == "4"
         said = [f"{file}:18: wheels on the right"]
-        said += [f"{file}:21: ExecuteProcess: no other programs are started here"]
+        said += [f"{file}:21: ExecuteProcess does not run here"]
         wait_until(lambda: all(any(t.startswith(s) for t in texts(session)) for s in said))
         # One of them ends, and the other goes on.
         assert session.host.stop_node("/spare").ok

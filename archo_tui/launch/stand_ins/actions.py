@@ -1,4 +1,4 @@
-"""The actions of `launch.actions`."""
+"""The actions and conditions of launch, and the files that a launch file includes."""
 
 from __future__ import annotations
 
@@ -7,32 +7,83 @@ import heapq
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from pathlib import Path
+from types import ModuleType
+from typing import Any, ClassVar
 
+from archo_tui import regular_files
+from archo_tui.launch.stand_ins import packages
 from archo_tui.launch.stand_ins.core import (
     Action,
-    Flag,
+    Condition,
     LaunchContext,
-    Number,
+    LaunchDescription,
+    Made,
+    Place,
+    SkipActionError,
     SubstitutionFailure,
     Text,
-    at,
+    flag,
+    number,
     perform,
+    performed,
+    visit,
 )
-from archo_tui.launch.stand_ins.sources import AnyLaunchDescriptionSource
-from archo_tui.launch.stand_ins.values import flag, number
 from archo_tui.nearest import nearest_hint
 
-_entered: list[str] = []  # The included files in which arguments are looked for.
+_GENERATE = "generate_launch_description"
+
+# The files that this process has begun to load, by their paths; errors in them are told of them.
+loaded: dict[str, LaunchDescription | None] = {}
+# Of XML and YAML, by the ends of names: those of `markup`, which needs the actions here.
+loaders: dict[str, Callable[[str], LaunchDescription]] = {}
+
+
+@dataclass(eq=False)
+class IfCondition(Condition):
+    """The condition that an expression is `true` or `1`; it does not hold for `false` or `0`."""
+
+    predicate_expression: Text
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        text = perform(context, self.predicate_expression).strip().lower()
+        if text not in ("true", "1", "false", "0"):
+            wanted = "true, 1, false or 0 is wanted"
+            raise SubstitutionFailure(f"a condition is {text!r}: {wanted}", self.place)
+        return text in ("true", "1")
+
+
+class UnlessCondition(IfCondition):
+    """The opposite of IfCondition: it holds for `false` and `0`."""
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        return not super().evaluate(context)
+
+
+@dataclass(eq=False)
+class LaunchConfigurationEquals(Condition):
+    """The condition that a launch configuration has a value; for None, that it is not set."""
+
+    launch_configuration_name: str
+    expected_value: Text | None
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        name, wanted = self.launch_configuration_name, self.expected_value
+        context.read.add(name)
+        expected = None if wanted is None else perform(context, wanted)
+        return bool(context.launch_configurations.get(name) == expected)
+
+
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """The opposite of LaunchConfigurationEquals; for None, that a launch configuration is set."""
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        return not super().evaluate(context)
 
 
 @dataclass(eq=False)
 class DeclareLaunchArgument(Action):
-    """The action that declares an argument of the launch file, and sets its default if need be.
-
-    SubstitutionFailure is raised without a value or a default, and for one that is not among the
-    choices.
-    """
+    """The action that declares an argument of the launch file, and sets its default if need be."""
 
     name: str
     _: KW_ONLY
@@ -41,11 +92,8 @@ class DeclareLaunchArgument(Action):
     choices: Iterable[str] | None = None
 
     def __post_init__(self) -> None:
-        default = self.default_value
         super().__post_init__()
         self.choices = None if self.choices is None else [*map(str, self.choices)]
-        if isinstance(default, str):
-            self._check(default)
 
     def execute(self, context: LaunchContext) -> None:
         if self.name not in context.launch_configurations:
@@ -55,9 +103,7 @@ class DeclareLaunchArgument(Action):
                 raise SubstitutionFailure(text, self.place)
             value = perform(context, self.default_value)
             context.launch_configurations[self.name] = value
-        self._check(context.launch_configurations[self.name])
-
-    def _check(self, value: str) -> None:
+        value = context.launch_configurations[self.name]
         if self.choices is not None and value not in self.choices:
             wanted, near = ", ".join(self.choices), nearest_hint(value, self.choices)
             text = f"argument {self.name} is {value!r}: one of {wanted} is wanted{near}"
@@ -73,64 +119,6 @@ class SetLaunchConfiguration(Action):
 
     def execute(self, context: LaunchContext) -> None:
         context.launch_configurations[perform(context, self.name)] = perform(context, self.value)
-
-
-@dataclass(eq=False)
-class UnsetLaunchConfiguration(Action):
-    """The action that removes a launch configuration, until the scope ends."""
-
-    name: Text
-
-    def execute(self, context: LaunchContext) -> None:
-        context.launch_configurations.pop(perform(context, self.name), None)
-
-
-@dataclass(eq=False)
-class ResetLaunchConfigurations(Action):
-    """The action that replaces all launch configurations by those given, by default by none."""
-
-    launch_configurations: Mapping[Any, Any] | None = None
-
-    def execute(self, context: LaunchContext) -> None:
-        given = self.launch_configurations or {}
-        kept = {perform(context, name): perform(context, value) for name, value in given.items()}
-        context.launch_configurations.clear()
-        context.launch_configurations.update(kept)
-
-
-class PushLaunchConfigurations(Action):
-    """The action that begins a scope of launch configurations, with a copy of those around it."""
-
-    def execute(self, context: LaunchContext) -> None:
-        context.begin_scope("launch_configurations")
-
-
-class PopLaunchConfigurations(Action):
-    """The action that ends a scope of launch configurations, and restores those before it."""
-
-    def execute(self, context: LaunchContext) -> None:
-        context.end_scope("launch_configurations")
-
-
-class PushEnvironment(Action):
-    """The action that begins a scope of environment variables, with a copy of those around it."""
-
-    def execute(self, context: LaunchContext) -> None:
-        context.begin_scope("environment")
-
-
-class PopEnvironment(Action):
-    """The action that ends a scope of environment variables, and restores those before it."""
-
-    def execute(self, context: LaunchContext) -> None:
-        context.end_scope("environment")
-
-
-class ResetEnvironment(Action):
-    """The action that restores, in its scope, the environment variables of the launch's start."""
-
-    def execute(self, context: LaunchContext) -> None:
-        context.environment = dict(os.environ)
 
 
 @dataclass(eq=False)
@@ -160,7 +148,7 @@ class AppendEnvironmentVariable(Action):
 
     name: Text
     value: Text
-    prepend: Flag = False
+    prepend: Any = False
     separator: Text = os.pathsep
 
     def execute(self, context: LaunchContext) -> None:
@@ -181,27 +169,140 @@ class GroupAction(Action):
 
     actions: Iterable[Any]
     _: KW_ONLY
-    scoped: Flag = True
-    forwarding: Flag = True
+    scoped: Any = True
+    forwarding: Any = True
     launch_configurations: Mapping[Any, Any] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.actions = list(self.actions)
 
-    def execute(self, context: LaunchContext) -> list[Any]:
-        given = self.launch_configurations or {}
-        with at(self.place):
-            sets: list[Action] = [SetLaunchConfiguration(*pair) for pair in given.items()]
-            if not flag(context, self.scoped):
-                return [*sets, *self.actions]
+    def execute(self, context: LaunchContext) -> Iterable[Any]:
+        given = performed(context, self.launch_configurations)
+        if not flag(context, self.scoped):
+            context.launch_configurations.update(given)
+            return self.actions
+        with context.scope():
             if not flag(context, self.forwarding):
-                sets = [ResetEnvironment(), ResetLaunchConfigurations(given)]
-            begin, end = PushLaunchConfigurations(), PopLaunchConfigurations()
-            return [begin, PushEnvironment(), *sets, *self.actions, PopEnvironment(), end]
+                context.launch_configurations, context.environment = {}, dict(os.environ)
+            context.launch_configurations.update(given)
+            for action in self.actions:
+                visit(action, context, self.place)
+        return ()
 
     def sub_entities(self) -> Iterable[Any]:
         return self.actions
+
+
+@dataclass(eq=False)
+class TimerAction(Action):
+    """The action that performs others later, with the launch configurations that there are then.
+
+    Nothing waits: the evaluation performs them at its end, and gives programs a start delay.
+    """
+
+    _: KW_ONLY
+    period: Any
+    actions: Iterable[Any]
+    cancel_on_shutdown: Any = True
+
+    def execute(self, context: LaunchContext) -> None:
+        time, turn = context.time + number(context, self.period), len(context.delayed)
+        heapq.heappush(context.delayed, (time, turn, [*self.actions], context.launch_file))
+
+
+@dataclass(eq=False)
+class LogInfo(Action):
+    """The action that adds a note of level INFO, for the person who launches."""
+
+    _: KW_ONLY
+    msg: Text
+
+    def execute(self, context: LaunchContext) -> None:
+        context.note(self.place, perform(context, self.msg), "INFO")
+
+
+@dataclass(eq=False)
+class OpaqueFunction(Action):
+    """The action that calls a function with the context, and performs the actions it returns."""
+
+    _: KW_ONLY
+    function: Callable[..., Any]
+    args: Iterable[Any] | None = None
+    kwargs: Mapping[str, Any] | None = None
+
+    def execute(self, context: LaunchContext) -> Iterable[Any] | None:
+        found = self.function(context, *(self.args or ()), **(self.kwargs or {}))
+        if found is not None and not isinstance(found, Iterable):
+            text = f"the function returns {type(found).__name__}: return a list"
+            raise SubstitutionFailure(text, self.place)
+        return found
+
+
+@dataclass(eq=False)
+class AnyLaunchDescriptionSource(Made):
+    """A launch file in Python, XML or YAML that another launch file includes."""
+
+    launch_file_path: Text
+
+    _endings: ClassVar[tuple[str, ...]] = ("",)
+
+    def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
+        """Return the path of the file, and what it describes."""
+        path = os.path.abspath(perform(context, self.launch_file_path))
+        missing, name = packages.index.missing_package(path), os.path.basename(path)
+        if missing:
+            raise SkipActionError(f"{missing} is not here: start its {name} with ROS 2")
+        if not path.endswith(self._endings):
+            text = f"{name} is not for {type(self).__name__}"
+            hint = "AnyLaunchDescriptionSource takes each kind"
+            raise SubstitutionFailure(f"{text}: {hint}", self.place)
+        if not os.path.isfile(path):
+            raise SubstitutionFailure(packages.index.why_missing(path), self.place)
+        return path, load_launch_file(path)
+
+
+class PythonLaunchDescriptionSource(AnyLaunchDescriptionSource):
+    """A launch file in Python that another launch file includes."""
+
+    _endings = (".py",)
+
+
+class FrontendLaunchDescriptionSource(AnyLaunchDescriptionSource):
+    """A launch file in XML or YAML that another launch file includes."""
+
+    _endings = (".xml", ".launch", ".yaml", ".yml")
+
+
+class XMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
+    """A launch file in XML that another launch file includes."""
+
+
+class YAMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
+    """A launch file in YAML that another launch file includes."""
+
+
+def load_launch_file(path: str) -> LaunchDescription:
+    """Run or read a launch file, unless that is done, and return what it describes."""
+    known = loaded.setdefault(path, None)
+    found = known or loaders.get(os.path.splitext(path)[1], _run)(path)
+    loaded[path] = found
+    return found
+
+
+def _run(path: str) -> LaunchDescription:
+    module = ModuleType("python_launch_file")
+    module.__file__ = path
+    exec(compile(regular_files.read(Path(path)), path, "exec", dont_inherit=True), vars(module))
+    generate: Any = vars(module).get(_GENERATE)
+    if not callable(generate):
+        raise SubstitutionFailure(f"it has no function {_GENERATE}()", Place(path, 1))
+    description = generate()
+    if not isinstance(description, LaunchDescription):
+        line = getattr(getattr(generate, "__code__", None), "co_firstlineno", 1)
+        text = f"{_GENERATE}() returns no LaunchDescription: end it with return LaunchDescription(["
+        raise SubstitutionFailure(f"{text}...])", Place(path, line))
+    return description
 
 
 @dataclass(eq=False)
@@ -225,12 +326,10 @@ class IncludeLaunchDescription(Action):
         self._arguments = list(self.launch_arguments or ())
 
     def execute(self, context: LaunchContext) -> list[Any]:
-        path, description = self._source.load(context)
-        # They stay when the included file is over: so it is in launch.
-        context.locals.current_launch_file_path = path
-        context.locals.current_launch_file_directory = os.path.dirname(path)
-        with at(self.place):
-            return [*(SetLaunchConfiguration(*pair) for pair in self._arguments), description]
+        context.launch_file, description = self._source.load(context)
+        for name, value in self._arguments:
+            context.launch_configurations[perform(context, name)] = perform(context, value)
+        return [description]
 
     def sub_entities(self) -> Iterable[Any]:
         """Return the entities of the file, without the arguments that are given here."""
@@ -239,72 +338,13 @@ class IncludeLaunchDescription(Action):
             nothing = LaunchContext()
             path, description = self._source.load(nothing)
             given = {perform(nothing, name) for name, _ in self._arguments}
-        if not path or path in _entered:
+        if not path or path in _listed:
             return
-        _entered.append(path)
+        _listed.append(path)
         for entity in description.entities:
             if not (isinstance(entity, DeclareLaunchArgument) and entity.name in given):
                 yield entity
-        _entered.remove(path)
+        _listed.remove(path)
 
 
-@dataclass(eq=False)
-class LogInfo(Action):
-    """The action that adds a note of level INFO, for the person who launches."""
-
-    _: KW_ONLY
-    msg: Text
-
-    def execute(self, context: LaunchContext) -> None:
-        context.note(self.place, perform(context, self.msg), "INFO")
-
-
-@dataclass(eq=False)
-class OpaqueFunction(Action):
-    """The action that calls a function with the context, and performs the actions it returns."""
-
-    _: KW_ONLY
-    function: Callable[..., Any]
-    args: Iterable[Any] | None = None
-    kwargs: Mapping[str, Any] | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not callable(self.function):
-            raise TypeError(f"function={self.function!r} cannot be called: give the function")
-
-    def execute(self, context: LaunchContext) -> Iterable[Any] | None:
-        found = self.function(context, *(self.args or ()), **(self.kwargs or {}))
-        if found is not None and not isinstance(found, Iterable):
-            name = getattr(self.function, "__name__", "function")
-            text = f"{name}() of OpaqueFunction returns {type(found).__name__}: return a list"
-            raise SubstitutionFailure(text, self.place)
-        return found
-
-
-@dataclass(eq=False)
-class TimerAction(Action):
-    """The action that performs others later, with the launch configurations that there are then.
-
-    Nothing waits: the evaluation performs them at its end, and gives programs a start delay.
-    """
-
-    _: KW_ONLY
-    period: Number
-    actions: Iterable[Any]
-    cancel_on_shutdown: Flag = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.actions = list(self.actions)
-
-    def execute(self, context: LaunchContext) -> None:
-        time, local_values = context.time + number(context, self.period), vars(context.locals)
-        delayed = time, len(context.delayed), self.actions, dict(local_values)
-        heapq.heappush(context.delayed, delayed)
-
-    def is_conditional(self) -> bool:
-        return True
-
-    def sub_entities(self) -> Iterable[Any]:
-        return self.actions
+_listed: list[str] = []  # The included files in which arguments are looked for.

@@ -1,4 +1,4 @@
-"""The base of all stand-ins for launch: places, errors, the context, entities, and their walk."""
+"""The base of all stand-ins for launch: places, errors, texts, values, the context, the walk."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ import heapq
 import os
 import reprlib
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import KW_ONLY, dataclass, fields
 from pathlib import Path
-from types import FrameType, SimpleNamespace
-from typing import Any, NamedTuple
+from types import FrameType
+from typing import Any, NamedTuple, get_args, get_origin
+
+import yaml
 
 _STAND_INS = str(Path(__file__).parent)
 _GENERATED = "<string>"  # The file of the constructors that dataclasses have.
+_SCALARS = (bool, int, float, str)
 
 
 class Place(NamedTuple):
@@ -38,10 +41,7 @@ def at(place: Place) -> Iterator[None]:
 
 
 def calling_place() -> Place:
-    """Return the line of the element that is read, or else of the nearest caller's launch file.
-
-    `Place("", 0)` stands for none.
-    """
+    """Return the line of the element that is read, or else of the nearest caller's launch file."""
     if _elements:
         return _elements[-1]
     frame: FrameType | None = sys._getframe(1)
@@ -71,40 +71,36 @@ class LaunchContext:
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:
         self.argv = list(argv or ())
-        # As ThisLaunchFile reads them; empty before the file is performed.
-        self.locals = SimpleNamespace()
-        # Those of the innermost scope, which actions change in place.
+        # Of the innermost scope.
         self.launch_configurations: dict[str, Any] = {}
         self.environment = dict(os.environ)
+        self.launch_file = ""  # The one that is performed, or was included last.
         self.programs: list[dict[str, Any]] = []  # As LaunchedProgram has them.
         self.notes: list[dict[str, Any]] = []  # As LaunchNote has them, with a Place.
-        # The actions of timers, a heap: by their time, then their number; and the locals of each.
-        self.delayed: list[tuple[float, int, Iterable[Any], dict[str, Any]]] = []
+        # A heap of the timers' actions: by their time, then their number; and the file of each.
+        self.delayed: list[tuple[float, int, Iterable[Any], str]] = []
         self.time = 0.0  # Seconds after the start that the evaluation has reached.
         # An argument that is given and neither declared nor read gets a note.
         self.read: set[str] = set()
         self.failed_at: Place | None = None  # The line of the action that raised an error.
-        self._outer: dict[str, list[dict[str, Any]]] = {}  # Of the scopes around.
 
     def perform_substitution(self, substitution: Any) -> str:
         text: str = substitution.perform(self)
         return text
 
-    def begin_scope(self, kind: str) -> None:
-        """Begin a scope of `launch_configurations` or `environment`, with a copy of those here."""
-        # A shallow copy, as launch makes it: lists in it are shared with the scope around.
-        self._outer.setdefault(kind, []).append(dict(getattr(self, kind)))
-
-    def end_scope(self, kind: str) -> None:
-        setattr(self, kind, self._outer[kind].pop())
+    @contextmanager
+    def scope(self) -> Iterator[None]:
+        """Restore the launch configurations and the environment when the context ends."""
+        before = self.launch_configurations, self.environment
+        # Shallow copies, as launch makes them: lists in them are shared with the scope around.
+        self.launch_configurations, self.environment = map(dict, before)
+        yield
+        self.launch_configurations, self.environment = before
 
     def changed_environment(self) -> dict[str, str | None]:
         """Return the variables of the innermost scope that differ; None for one that is unset."""
-        now = self.environment
-        changed: dict[str, str | None] = {
-            name: value for name, value in now.items() if os.environ.get(name) != value
-        }
-        return changed | dict.fromkeys(os.environ.keys() - now.keys())
+        changed: dict[str, str | None] = dict(self.environment.items() - os.environ.items())
+        return changed | dict.fromkeys(os.environ.keys() - self.environment.keys())
 
     def note(self, place: Place, text: str, level: str = "WARN") -> None:
         self.notes.append({"place": place, "level": level, "text": text})
@@ -113,24 +109,24 @@ class LaunchContext:
 SomeSubstitutionsType = Any
 Text = Any  # A text, a path, a substitution, or several of these that are joined.
 Texts = Any  # Several of these.
-Flag = Any  # A bool, or texts with a substitution that stand for one.
-Number = Any  # A float, or texts with a substitution that stand for one.
 
 
 @dataclass(eq=False)
 class Made:
-    """The base of what a launch file makes: its line is known, and what it is given is checked.
+    """The base of what a launch file makes, which knows its line.
 
     A field that is annotated as Text becomes a list of substitutions, one as Texts a list of such
-    lists; one as Flag or Number becomes that, or a list of substitutions. None stays None.
+    lists; None stays None.
     """
 
     def __post_init__(self) -> None:
         self.place = calling_place()
         for field in fields(self):
-            value, check = getattr(self, field.name), _CHECKS.get(str(field.type).split(" ")[0])
-            if check is not None and value is not None:
-                setattr(self, field.name, check(value))
+            value, kind = getattr(self, field.name), str(field.type).split(" ")[0]
+            if value is not None and kind == "Text":
+                setattr(self, field.name, normalize_to_list_of_substitutions(value))
+            elif value is not None and kind == "Texts":
+                setattr(self, field.name, [*map(normalize_to_list_of_substitutions, value)])
 
 
 @dataclass(eq=False)
@@ -140,11 +136,6 @@ class Substitution(Made):
     def perform(self, context: LaunchContext) -> str:
         """Return the text that the substitution stands for now; SubstitutionFailure without one."""
         raise NotImplementedError
-
-    def describe(self) -> str:
-        """Return the substitution as `--show-args` shows a default."""
-        texts = [describe(getattr(self, f.name)) for f in fields(self) if f.type == "Text"]
-        return f"{type(self).__name__}({', '.join(texts)})"
 
 
 @dataclass(eq=False)
@@ -157,13 +148,16 @@ class TextSubstitution(Substitution):
     def perform(self, context: LaunchContext) -> str:
         return self.text
 
-    def describe(self) -> str:
-        return self.text
 
-
-def describe(parts: Iterable[Substitution]) -> str:
+def described(given: Any) -> str:
     """Return the parts of a text as `--show-args` shows a default."""
-    return "".join(part.describe() for part in parts)
+    if isinstance(given, list):
+        several = any(isinstance(part, list) for part in given)
+        return (", " if several else "").join(map(described, given))
+    if isinstance(given, Substitution) and not isinstance(given, TextSubstitution):
+        values = [getattr(given, field.name) for field in fields(given)]
+        return f"{type(given).__name__}({', '.join(described(v) for v in values if v)})"
+    return str(getattr(given, "text", given))
 
 
 def normalize_to_list_of_substitutions(given: Text) -> list[Substitution]:
@@ -195,30 +189,6 @@ def is_substitution(given: object) -> bool:
     return of_text and any(isinstance(part, Substitution) for part in parts)
 
 
-def _flag(given: Any) -> Any:
-    if isinstance(given, bool):
-        return given
-    if not is_substitution(given):
-        raise TypeError(f"True, False or a substitution is wanted, not {given!r}")
-    return normalize_to_list_of_substitutions(given)
-
-
-def _number(given: Any) -> Any:
-    if is_substitution(given):
-        return normalize_to_list_of_substitutions(given)
-    if isinstance(given, bool):
-        raise TypeError(f"a number or a substitution is wanted, not {given!r}")
-    return float(given)
-
-
-_CHECKS: dict[str, Callable[[Any], Any]] = {
-    "Text": normalize_to_list_of_substitutions,
-    "Texts": lambda given: [normalize_to_list_of_substitutions(part) for part in given],
-    "Flag": _flag,
-    "Number": _number,
-}
-
-
 def perform_substitutions(context: LaunchContext, parts: Iterable[Substitution]) -> str:
     """Return the texts of several substitutions, joined."""
     return "".join([context.perform_substitution(part) for part in parts])
@@ -227,6 +197,62 @@ def perform_substitutions(context: LaunchContext, parts: Iterable[Substitution])
 def perform(context: LaunchContext, given: Text) -> str:
     """Return the text of what a launch file gives: a text, a substitution, or a list of them."""
     return perform_substitutions(context, normalize_to_list_of_substitutions(given))
+
+
+def performed(context: LaunchContext, given: Mapping[Any, Any] | None) -> dict[str, str]:
+    """Return the texts of a mapping's names and values."""
+    pairs = (given or {}).items()
+    return {perform(context, name): perform(context, value) for name, value in pairs}
+
+
+def value_of(context: LaunchContext, given: Any, kind: Any = None) -> Any:
+    """Return a value, which has a type such as `int` or `list[int]`, or any that ROS knows.
+
+    The text of a substitution is read as YAML 1.1. Raises ValueError.
+    """
+    value, part_kind = given, get_args(kind)[0] if get_origin(kind) is list else None
+    if is_substitution(given):
+        given = perform(context, given)
+        value = _value_of_text(given, kind)
+    elif isinstance(given, Iterable) and not isinstance(given, (str, Mapping)):
+        value = [p if isinstance(p, _SCALARS) else value_of(context, p, part_kind) for p in given]
+        if {type(part) for part in value} == {int, float}:
+            value = [float(part) for part in value]
+        given = value
+    is_list = isinstance(value, list)
+    parts = value if is_list else [value]
+    wanted = kind if kind in _SCALARS else part_kind or (type(parts[0]) if parts else str)
+    fits = kind is None or is_list == (kind not in _SCALARS)
+    if not fits or wanted not in _SCALARS or not all(isinstance(part, wanted) for part in parts):
+        raise _wrong_value(given, kind)
+    return value
+
+
+def _value_of_text(text: str, kind: Any) -> Any:
+    try:
+        if kind in (str, int, float):
+            return kind(text)
+        if kind is bool:  # launch takes these two besides YAML's words.
+            text = {"1": "true", "0": "false"}.get(text, text)
+        return yaml.safe_load(text) if text else text
+    except (ValueError, yaml.YAMLError):
+        raise _wrong_value(text, kind) from None
+
+
+def _wrong_value(given: Any, kind: Any) -> ValueError:
+    if kind is None:
+        return ValueError(f"{given!r} is no number, boolean, text or list of values of one type")
+    return ValueError(f"{given!r} is not of type {kind.__name__ if kind in _SCALARS else kind}")
+
+
+def flag(context: LaunchContext, given: Any) -> bool:
+    """Return the bool that something stands for."""
+    return bool(value_of(context, given, bool))
+
+
+def number(context: LaunchContext, given: Any) -> float:
+    """Return the float that something stands for."""
+    return float(value_of(context, float(given) if isinstance(given, int) else given, float))
 
 
 @dataclass(eq=False)
@@ -241,13 +267,16 @@ class Condition(Made):
 class LaunchDescriptionEntity(Made):
     """The base of everything that a launch description contains."""
 
-    def visit(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Perform the entity, and return the entities to perform next; None for none."""
-        raise NotImplementedError
+    condition: Condition | None = None
 
-    def is_conditional(self) -> bool:
-        """Return True if only the evaluation tells whether the entity is performed."""
-        return False
+    def visit(self, context: LaunchContext) -> Iterable[Any] | None:
+        """Perform the entity if its condition holds; return the entities to perform next."""
+        if self.condition is None or self.condition.evaluate(context):
+            return self.execute(context)
+        return None
+
+    def execute(self, context: LaunchContext) -> Iterable[Any] | None:
+        raise NotImplementedError
 
     def sub_entities(self) -> Iterable[Any]:
         """Return the contained entities that are known before the evaluation; by default none."""
@@ -261,18 +290,6 @@ class Action(LaunchDescriptionEntity):
     _: KW_ONLY
     condition: Condition | None = None
 
-    def visit(self, context: LaunchContext) -> Iterable[Any] | None:
-        if self.condition is None or self.condition.evaluate(context):
-            return self.execute(context)
-        return None
-
-    def execute(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Perform the action, and return the entities to perform next; None for none."""
-        raise NotImplementedError
-
-    def is_conditional(self) -> bool:
-        return self.condition is not None
-
 
 class LaunchDescription(LaunchDescriptionEntity):
     """The entities that `generate_launch_description()` returns."""
@@ -282,16 +299,13 @@ class LaunchDescription(LaunchDescriptionEntity):
     ) -> None:
         super().__init__()
         self.entities = list(initial_entities or ())
-        self._deprecated_reason = deprecated_reason
 
     def add_action(self, action: Any) -> None:
         self.entities.append(action)
 
     add_entity = add_action
 
-    def visit(self, context: LaunchContext) -> Iterable[Any] | None:
-        if self._deprecated_reason is not None:
-            context.note(self.place, f"deprecated: {self._deprecated_reason}")
+    def execute(self, context: LaunchContext) -> Iterable[Any]:
         return self.entities
 
     def sub_entities(self) -> Iterable[Any]:
@@ -308,7 +322,7 @@ def known_entities(
     """
     for entity in entities:
         if isinstance(entity, LaunchDescriptionEntity):
-            conditional = is_conditional or entity.is_conditional()
+            conditional = is_conditional or entity.condition is not None
             yield entity, conditional
             yield from known_entities(entity.sub_entities(), conditional)
 
@@ -326,7 +340,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
         context.note(place, f"{error}{needed_by}")
         return
     except Exception:
-        context.failed_at = entity.place
+        context.failed_at = context.failed_at or entity.place
         raise
     for part in found or ():
         visit(part, context, entity.place)
@@ -335,7 +349,6 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
 def visit_delayed(context: LaunchContext) -> None:
     """Perform the actions of timers in the order of their times, without waiting."""
     while context.delayed:
-        context.time, _, actions, local_values = heapq.heappop(context.delayed)
-        vars(context.locals).update(local_values)
+        context.time, _, actions, context.launch_file = heapq.heappop(context.delayed)
         for action in actions:
             visit(action, context, Place("", 0))

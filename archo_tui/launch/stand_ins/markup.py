@@ -1,9 +1,11 @@
-"""XML and YAML launch files as one kind of tree."""
+"""XML and YAML launch files: a tree of elements, texts with `$(name ARGUMENT ...)`, actions."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
+import re
+import shlex
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
@@ -11,39 +13,78 @@ from xml.parsers import expat
 import yaml
 
 from archo_tui import regular_files
-from archo_tui.launch.stand_ins.core import Place, SubstitutionFailure
+from archo_tui.launch.stand_ins import actions, ros_actions, substitutions
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    Condition,
+    LaunchDescription,
+    Place,
+    Substitution,
+    SubstitutionFailure,
+    TextSubstitution,
+    at,
+    calling_place,
+)
+from archo_tui.launch.stand_ins.modules import Absent, absent_class
+from archo_tui.launch.stand_ins.packages import FindPackagePrefix, FindPackageShare
 from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
 
-_YAML = yaml.constructor.SafeConstructor()  # Of YAML 1.1, by which launch reads values.
-ENDINGS = {".xml": "xml", ".launch": "xml", ".yaml": "yaml", ".yml": "yaml"}
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_DOLLAR = r"\$(?!\()|(?<=\\)\$"  # One that begins no substitution.
+# What texts consist of besides substitutions: at the top, without quotes, in single, in double.
+_TEXT = re.compile(rf"(?:[^$]|{_DOLLAR})+")
+_WORD = re.compile(rf"""(?:[^ $()\\'"]|{_DOLLAR}|\\.?)+""")
+_QUOTED = {quote: re.compile(rf"(?:[^$\\{quote}]|{_DOLLAR}|\\.?)+") for quote in "'\""}
+
+# Each substitution by its name; its arguments are the fields of the class.
+_SUBSTITUTIONS: dict[str, Any] = {
+    **{name: absent_class(name) for name in ("command", "exec-in-pkg", "find-exec")},
+    "and": substitutions.AndSubstitution,
+    "dirname": substitutions.ThisLaunchFileDir,
+    "env": substitutions.EnvironmentVariable,
+    "equals": substitutions.EqualsSubstitution,
+    "eval": substitutions.PythonExpression,
+    "filename": substitutions.ThisLaunchFile,
+    "find-pkg-prefix": FindPackagePrefix,
+    "find-pkg-share": FindPackageShare,
+    "if": substitutions.IfElseSubstitution,
+    "not": substitutions.NotSubstitution,
+    "not-equals": substitutions.NotEqualsSubstitution,
+    "or": substitutions.OrSubstitution,
+    "var": substitutions.LaunchConfiguration,
+}
+
+_YAML: Any = yaml.constructor.SafeConstructor()  # Of YAML 1.1, by which launch reads values.
+_KINDS: dict[str, Any] = {kind.__name__: kind for kind in (str, bool, float, int)}
+_TYPES: dict[str, Any] = {  # As a `param` names them.
+    **_KINDS,
+    **{f"list_of_{name}": list[kind] for name, kind in _KINDS.items()},  # type: ignore[valid-type]
+    "yaml": None,
+}
+# The attributes that have another type than text in YAML, or are texts with substitutions.
+_TYPED = {
+    **dict.fromkeys(("allow_substs", "emulate_tty", "forwarding", "prepend"), bool),
+    **dict.fromkeys(("cancel_on_shutdown", "scoped", "shell"), bool),
+    **dict.fromkeys(("period", "respawn_delay", "sigkill_timeout", "sigterm_timeout"), float),
+    "respawn_max_retries": int,
+    "value": object,
+}
 
 
-class Element:
-    """An element of a launch file, whose attributes and sub-elements are asked for once each.
+@dataclass
+class _Element:
+    """An element of a launch file, with texts as attributes, or values of YAML."""
 
-    XML has texts; the values of YAML must have the type that is asked for, or be texts, which may
-    have substitutions.
-    """
+    tag: str
+    place: Place
+    attributes: dict[str, Any] = field(default_factory=dict)
+    elements: list[_Element] = field(default_factory=list)
 
-    def __init__(self, tag: str, place: Place, is_yaml: bool) -> None:
-        self.tag, self.place = tag, place
-        self.attributes: dict[str, Any] = {}
-        self.elements: list[Element] = []
-        self.has_children = not is_yaml  # In YAML there is a list of them, which may be empty.
-        self._is_yaml = is_yaml
-        self._asked: set[str] = set()
-
-    def get(self, name: str, kind: type = str) -> Any:
-        """Return an attribute, of a type or a text; None if there is none.
-
-        With `NAME-sep` of XML it is a list of texts. The type `object` stands for any.
-        """
-        self._asked.update((name, f"{name}-sep"))
-        value, separator = self.attributes.get(name), self.attributes.get(f"{name}-sep")
-        if isinstance(value, str) and separator is not None:
-            return value.split(separator)
+    def get(self, name: str, kind: type | None = None) -> Any:
+        """Return an attribute, of its type or a text; None if there is none."""
+        value, kind = self.attributes.get(name), kind or _TYPED.get(name, str)
         if value is None or isinstance(value, (kind, str)):
             return value
         what = f"{kind.__name__} is wanted, not {value!r}"
@@ -51,82 +92,59 @@ class Element:
             what = f'a text is wanted: "{str(value).lower()}"'
         raise self.failure(f"{name} of {self.tag}: {what}")
 
-    def need(self, name: str, kind: type = str) -> Any:
+    def need(self, name: str) -> Any:
         """Return an attribute that must be there."""
-        value = self.get(name, kind)
+        value = self.get(name)
         if value is None:
             raise self.failure(f"{self.tag} has no {name}{nearest_hint(name, self.attributes)}")
         return value
 
-    def named(self, tag: str) -> list[Element]:
-        """Return the sub-elements of a tag."""
-        self._asked.add(tag)
-        if tag in self.attributes:
-            raise self.failure(f"{tag} of {self.tag}: a list is wanted, as `{tag}: [{{...}}]`")
-        return [element for element in self.elements if element.tag == tag]
+    def text(self, name: str) -> Any:
+        """Return a text that must be there."""
+        self.get(name, str)
+        return self.need(name)
 
-    def others(self, *left_out: str) -> list[Element]:
-        """Return all sub-elements but those of some tags: actions."""
-        if not self.has_children:
-            raise self.failure(f"{self.tag} has no list of actions: write it as `children:`")
-        found = [element for element in self.elements if element.tag not in left_out]
-        self._asked.update(element.tag for element in found)
-        return found
-
-    def check_all_asked(self) -> None:
-        """Raise SubstitutionFailure for a part that nobody has asked for."""
-        for name in [*self.attributes, *(element.tag for element in self.elements)]:
-            if name not in self._asked:
-                near = nearest_hint(name, self._asked)
-                raise self.failure(f"{self.tag} takes no {name}{near}")
+    def check_names(self, attributes: Iterable[str], tags: Iterable[str] = ()) -> None:
+        """Raise SubstitutionFailure for an attribute or a sub-element of another name."""
+        for name in [*self.attributes, *(part.tag for part in self.elements)]:
+            if name in self.attributes and name in tags:
+                raise self.failure(
+                    f"{name} of {self.tag}: a list is wanted, as `{name}: [{{...}}]`"
+                )
+            if name not in (known := [*attributes, *tags]):
+                raise self.failure(f"{self.tag} takes no {name}{nearest_hint(name, known)}")
 
     def failure(self, text: str) -> SubstitutionFailure:
         return SubstitutionFailure(text, self.place)
 
 
-def read(path: str) -> Element:
-    """Return the root element of a launch file; raise SubstitutionFailure."""
-    if ENDINGS[os.path.splitext(path)[1]] == "yaml":
-        return _read_yaml(path)
-    return _XmlReader(path).root
+def _read_xml(path: str) -> _Element:
+    """Read an XML file. Entities are refused: a few can expand to gigabytes."""
+    parser, open_ = expat.ParserCreate(), [_Element("", Place(path, 1))]
 
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = _Element(tag, Place(path, parser.CurrentLineNumber), attributes)
+        open_[-1].elements.append(element)
+        open_.append(element)
 
-class _XmlReader:
-    """An XML file that is read. Entities are refused: a few can expand to gigabytes."""
-
-    def __init__(self, path: str) -> None:
-        self._path, self._parser = path, expat.ParserCreate()
-        self._open: list[Element] = []
-        self._parser.StartElementHandler = self._start
-        self._parser.EndElementHandler = self._end
-        self._parser.EntityDeclHandler = self._refuse
-        try:
-            self._parser.Parse(regular_files.read(Path(path)), True)
-        except expat.ExpatError as error:
-            why = f"not XML: {expat.ErrorString(error.code)}"
-            raise SubstitutionFailure(why, Place(path, error.lineno)) from None
-        except (LookupError, ValueError):  # As for `encoding="none such"`.
-            why = "not XML: its encoding is not known"
-            raise SubstitutionFailure(why, Place(path, 1)) from None
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        element = Element(tag, Place(self._path, self._parser.CurrentLineNumber), False)
-        element.attributes = attributes
-        if self._open:
-            self._open[-1].elements.append(element)
-        else:
-            self.root = element
-        self._open.append(element)
-
-    def _end(self, _tag: str) -> None:
-        self._open.pop()
-
-    def _refuse(self, name: str, *_: object) -> None:
-        place = Place(self._path, self._parser.CurrentLineNumber)
+    def refuse(name: str, *_: object) -> None:
+        place = Place(path, parser.CurrentLineNumber)
         raise SubstitutionFailure(f"entities (&{name};) are not read: write it out", place)
 
+    parser.StartElementHandler, parser.EntityDeclHandler = start, refuse
+    parser.EndElementHandler = lambda _: open_.pop()
+    try:
+        parser.Parse(regular_files.read(Path(path)), True)
+    except expat.ExpatError as error:
+        why = f"not XML: {expat.ErrorString(error.code)}"
+        raise SubstitutionFailure(why, Place(path, error.lineno)) from None
+    except (LookupError, ValueError):  # As for `encoding="none such"`.
+        why = "not XML: its encoding is not known"
+        raise SubstitutionFailure(why, Place(path, 1)) from None
+    return open_[0].elements[0]
 
-def _read_yaml(path: str) -> Element:
+
+def _read_yaml(path: str) -> _Element:
     try:
         text = bounded_yaml.read(Path(path))
         bounded_yaml.node_of(text)  # Raises for what never ends, or is no YAML.
@@ -135,24 +153,29 @@ def _read_yaml(path: str) -> Element:
     except bounded_yaml.YamlError as error:  # It cannot be read; its text begins with the file.
         why = str(error).removeprefix(f"{path}:").strip()
         raise SubstitutionFailure(why, Place(path, 0)) from None
-    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    return _yaml_element(path, yaml.compose(text, Loader=yaml.SafeLoader))
+
+
+def _yaml_element(path: str, node: yaml.Node | None) -> _Element:
+    """Return the element of a mapping from its tag alone to what it contains."""
     if not isinstance(node, yaml.MappingNode) or len(node.value) != 1:
-        raise SubstitutionFailure("it does not begin with launch: alone", Place(path, 1))
+        place = Place(path, node.start_mark.line + 1 if node else 1)
+        raise SubstitutionFailure("each entry is one action, as `- node:`", place)
     [(key, content)] = node.value
-    return _yaml_element(path, key, content)
+    return _yaml_content(path, key, content)
 
 
-def _yaml_element(path: str, key: yaml.Node, node: yaml.Node) -> Element:
-    element = Element(str(key.value), Place(path, key.start_mark.line + 1), True)
+def _yaml_content(path: str, key: yaml.Node, node: yaml.Node) -> _Element:
+    element = _Element(str(key.value), Place(path, key.start_mark.line + 1))
     if isinstance(node, yaml.SequenceNode):
-        element.elements, element.has_children = [*_yaml_entities(path, node)], True
+        element.elements = [_yaml_element(path, part) for part in node.value]
     elif isinstance(node, yaml.MappingNode):
         for name, content in node.value:
+            parts = content.value if isinstance(content, yaml.SequenceNode) else []
             if name.value == "children" and isinstance(content, yaml.SequenceNode):
-                element.elements += _yaml_entities(path, content)
-                element.has_children = True
-            elif _is_list_of_maps(content):
-                element.elements += [_yaml_element(path, name, part) for part in content.value]
+                element.elements += [_yaml_element(path, part) for part in parts]
+            elif parts and all(isinstance(part, yaml.MappingNode) for part in parts):
+                element.elements += [_yaml_content(path, name, part) for part in parts]
             else:
                 element.attributes[name.value] = _YAML.construct_document(content)
     else:
@@ -160,15 +183,233 @@ def _yaml_element(path: str, key: yaml.Node, node: yaml.Node) -> Element:
     return element
 
 
-def _yaml_entities(path: str, node: yaml.SequenceNode) -> Iterator[Element]:
-    for part in node.value:
-        if not isinstance(part, yaml.MappingNode) or len(part.value) != 1:
-            place = Place(path, part.start_mark.line + 1)
-            raise SubstitutionFailure("each entry is one action, as `- node:`", place)
-        [(key, content)] = part.value
-        yield _yaml_element(path, key, content)
+def substitutions_in(text: str) -> list[Substitution]:
+    """Return the substitutions of a text, and the texts between them; raise SubstitutionFailure."""
+    return _parts(text, 0, _TEXT)[0] or [TextSubstitution(text="")]
 
 
-def _is_list_of_maps(node: yaml.Node) -> bool:
-    parts = node.value if isinstance(node, yaml.SequenceNode) else []
-    return bool(parts) and all(isinstance(part, yaml.MappingNode) for part in parts)
+def words_in(text: str) -> list[list[Substitution]]:
+    """Return the words of a command line, each with its substitutions, as a shell splits them."""
+    words: list[list[Substitution]] = [[]]
+    for part in substitutions_in(text):
+        if not isinstance(part, TextSubstitution):
+            words[-1].append(part)
+            continue
+        for number, word in enumerate(shlex.split(part.text)):
+            if number or part.text[0].isspace():
+                words.append([])
+            words[-1].append(TextSubstitution(text=word))
+        if part.text[-1:].isspace():
+            words.append([])
+    return [word for word in words if word]
+
+
+def unescaped(text: str) -> str:
+    """Return a text without the backslash before each character."""
+    return re.sub(r"\\(.)", r"\1", text)
+
+
+def _parts(text: str, at: int, of: re.Pattern[str]) -> tuple[list[Substitution], int]:
+    """Read texts of a pattern and substitutions, as many as there are; return where they end."""
+    found: list[Substitution] = []
+    while at < len(text):
+        if text.startswith("$(", at):
+            part, at = _substitution(text, at)
+            found.append(part)
+        elif (match := of.match(text, at)) is not None:
+            found.append(TextSubstitution(text=unescaped(match[0])))
+            at = match.end()
+        else:
+            break
+    return found, at
+
+
+def _substitution(text: str, begin: int) -> tuple[Substitution, int]:
+    """Read `$(name ARGUMENT ...)`; return where it ends."""
+
+    def failure(why: str) -> SubstitutionFailure:
+        return SubstitutionFailure(f"{text[begin:]}: {why}", calling_place())
+
+    match, arguments = _NAME.match(text, begin + 2), []
+    if match is None or match[0] not in _SUBSTITUTIONS:
+        near = nearest_hint(match[0], _SUBSTITUTIONS) if match else ""
+        raise failure(f"there is no such substitution{near}")
+    name, at = match[0], match.end()
+    while text.startswith(" ", at):
+        quote, at = text[at + 1 : at + 2], at + 1
+        is_quoted = quote in _QUOTED
+        argument, end = _parts(text, at + is_quoted, _QUOTED[quote] if is_quoted else _WORD)
+        if end == at:
+            raise failure("one blank is wanted between its words")
+        if is_quoted and not text.startswith(quote, end):
+            raise failure(f"its {quote} is not closed")
+        arguments.append(argument)
+        at = end + is_quoted
+    if not text.startswith(")", at):
+        raise failure(f"a blank or ) is wanted before {text[at:]!r}, or quotes")
+    make: Callable[..., Substitution] = _SUBSTITUTIONS[name]
+    if issubclass(_SUBSTITUTIONS[name], Absent):
+        return make(), at + 1
+    takes = fields(_SUBSTITUTIONS[name])
+    needed = [field for field in takes if field.default is MISSING]
+    if not len(needed) <= len(arguments) <= len(takes):
+        wanted = " ".join([name, *(field.name.upper() for field in takes)])
+        raise failure(f"it is written $({wanted})")
+    given = zip(takes, arguments, strict=False)
+    return make(**{field.name: argument for field, argument in given}), at + 1
+
+
+def _load(read: Callable[[str], _Element]) -> Callable[[str], LaunchDescription]:
+    def load(path: str) -> LaunchDescription:
+        root = read(path)
+        if root.tag != "launch":
+            raise root.failure(f"it begins with {root.tag}, not launch")
+        return LaunchDescription(map(_action, root.elements))
+
+    return load
+
+
+def _action(element: _Element) -> Action:
+    with at(element.place):
+        if element.tag not in _ACTIONS:
+            near = nearest_hint(element.tag, _ACTIONS)
+            raise element.failure(f"there is no action {element.tag}{near}")
+        make, names, *tags = _ACTIONS[element.tag]
+        if not names and not tags:
+            return make(condition=_condition(element))  # type: ignore[no-any-return]
+        options = _options(element, names)
+        for tag in tags:
+            inside = [part for part in element.elements if part.tag == tag]
+            if tag == "*":
+                inside = [part for part in element.elements if part.tag not in tags]
+            option, value_of = _PARTS[tag]
+            options[option] = value_of(inside)
+        known = [word.partition("=")[2] or word for word in names.replace("?", "").split()]
+        parts = [part.tag for part in element.elements] if "*" in tags else tags
+        element.check_names([*known, "if", "unless"], parts)
+        try:
+            action: Action = make(**options, condition=_condition(element))
+        except (TypeError, ValueError) as error:
+            raise element.failure(f"{element.tag}: {error}") from None
+        return action
+
+
+def _options(element: _Element, names: str) -> dict[str, Any]:
+    """Return the options that attributes give, as `option=attribute` names them; `?` may miss."""
+    found = {}
+    for word in names.split():
+        option, _, attribute = word.removesuffix("?").partition("=")
+        name = attribute or option
+        value = element.get(name) if word.endswith("?") else element.need(name)
+        if value is not None:
+            read: Any = _READERS.get((element.tag, name), _value)
+            found[option] = read(value)
+    return found
+
+
+def _value(given: Any) -> Any:
+    """Return the value of an attribute with the substitutions in its texts."""
+    if isinstance(given, list):
+        return [_value(part) for part in given]
+    return substitutions_in(given) if isinstance(given, str) else given
+
+
+def _condition(element: _Element) -> Condition | None:
+    wanted, unwanted = element.get("if"), element.get("unless")
+    if wanted is not None and unwanted is not None:
+        raise element.failure(f"{element.tag} has if and unless: give one")
+    if wanted is not None:
+        return actions.IfCondition(substitutions_in(wanted))
+    return None if unwanted is None else actions.UnlessCondition(substitutions_in(unwanted))
+
+
+def _pairs(elements: Iterable[_Element], key: str = "name", value: str = "value") -> list[Any]:
+    for element in elements:
+        element.check_names([key, value])
+    return [(tuple(_value(e.text(key))), _value(e.text(value))) for e in elements]
+
+
+def _parameter(element: _Element) -> Any:
+    if element.get("from") is None:
+        return _parameters([element])
+    with at(element.place):
+        element.check_names(["from", "allow_substs"])
+        return ros_actions.ParameterFile(**_options(element, "param_file=from allow_substs?"))
+
+
+def _parameters(elements: Iterable[_Element]) -> dict[Any, Any]:
+    """Return parameters by their names; nested ones are a mapping."""
+    found: dict[Any, Any] = {}
+    for element in elements:
+        element.check_names(["name", "type", "value", "value-sep"], ["param"])
+        name, kind = tuple(substitutions_in(element.need("name"))), element.get("type")
+        if kind is not None and kind not in _TYPES:
+            near = nearest_hint(kind, _TYPES)
+            raise element.failure(f"there is no type {kind}{near}: {', '.join(_TYPES)}")
+        value, separator = element.get("value"), element.get("value-sep")
+        if (value is None) == (not element.elements):
+            raise element.failure("param has either a value or further params in it")
+        if separator is not None:
+            value = value.split(separator)
+        with at(element.place):
+            one = ros_actions.ParameterValue(_value(value), value_type=_TYPES.get(kind or "yaml"))
+            found[name] = _parameters(element.elements) if element.elements else one
+    return found
+
+
+# How an attribute is read that is no text with substitutions.
+_READERS: dict[tuple[str, str], Callable[[str], Any]] = {
+    ("arg", "name"): unescaped,
+    ("arg", "description"): unescaped,
+    ("node", "args"): words_in,
+    ("node", "ros_args"): words_in,
+}
+# By their tags, the option that sub-elements are, and how they are read; `*` are actions.
+_PARTS: dict[str, tuple[str, Callable[[list[_Element]], Any]]] = {
+    "*": ("actions", lambda found: [*map(_action, found)]),
+    "arg": ("launch_arguments", _pairs),
+    "choice": ("choices", lambda found: [unescaped(e.text("value")) for e in found] or None),
+    "env": ("additional_env", lambda found: dict(_pairs(found))),
+    "keep": ("launch_configurations", lambda found: dict(_pairs(found))),
+    "param": ("parameters", lambda found: [*map(_parameter, found)]),
+    "remap": ("remappings", lambda found: _pairs(found, "from", "to")),
+}
+_NODE = (
+    "executable=exec package=pkg? name? namespace? output? respawn? respawn_delay? arguments=args? "
+    "ros_arguments=ros_args? cwd? prefix=launch-prefix? on_exit? exec_name? shell? "
+    "respawn_max_retries? emulate_tty? sigterm_timeout? sigkill_timeout?"
+)
+_NOT_HERE = {
+    "executable": "ExecuteProcess",
+    "load_composable_node": "LoadComposableNodes",
+    "node_container": "ComposableNodeContainer",
+    "reset": "ResetLaunchConfigurations",
+    "reset_env": "ResetEnvironment",
+    "ros_timer": "ROSTimer",
+    "set_ros_log_dir": "SetROSLogDir",
+    "set_use_sim_time": "SetUseSimTime",
+    "shutdown": "Shutdown",
+}
+# By tag, the action, the attributes that are its options, and the tags of sub-elements.
+_ACTIONS: dict[str, tuple[Any, ...]] = {
+    "append_env": (actions.AppendEnvironmentVariable, "name value separator? prepend?"),
+    "arg": (actions.DeclareLaunchArgument, "name default_value=default? description?", "choice"),
+    "group": (actions.GroupAction, "scoped? forwarding?", "keep", "*"),
+    "include": (actions.IncludeLaunchDescription, "launch_description_source=file", "arg"),
+    "let": (actions.SetLaunchConfiguration, "name value"),
+    "log": (actions.LogInfo, "msg=message"),
+    "node": (ros_actions.Node, _NODE, "remap", "param", "env"),
+    "push-ros-namespace": (ros_actions.PushROSNamespace, "namespace"),
+    "push_ros_namespace": (ros_actions.PushROSNamespace, "namespace"),
+    "set_env": (actions.SetEnvironmentVariable, "name value"),
+    "set_parameter": (ros_actions.SetParameter, "name value"),
+    "set_parameters_from_file": (ros_actions.SetParametersFromFile, "filename"),
+    "set_remap": (ros_actions.SetRemap, "src=from dst=to"),
+    "timer": (actions.TimerAction, "period cancel_on_shutdown?", "*"),
+    "unset_env": (actions.UnsetEnvironmentVariable, "name"),
+    **{tag: (absent_class(name), "") for tag, name in _NOT_HERE.items()},
+}
+LOADERS = {
+    **dict.fromkeys((".xml", ".launch"), _load(_read_xml)),
+    **dict.fromkeys((".yaml", ".yml"), _load(_read_yaml)),
+}

@@ -2,110 +2,162 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-from archo_tui.launch.stand_ins import (
-    actions,
-    conditions,
-    core,
-    packages,
-    ros_actions,
-    sources,
-    substitutions,
-    values,
+from archo_tui.launch.stand_ins import actions, core, packages, ros_actions, substitutions
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    Condition,
+    LaunchContext,
+    LaunchDescription,
+    SkipActionError,
+    Substitution,
 )
-from archo_tui.launch.stand_ins.absent import ABSENT, absent_class
 
 
 def _names(of: Any, *names: str) -> dict[str, Any]:
     return {name: getattr(of, name) for name in names}
 
 
-def _classes(module: ModuleType) -> dict[str, Any]:
-    """Return the public classes that a module defines."""
+def _classes(module: ModuleType, base: type) -> dict[str, Any]:
+    """Return the public classes of a kind that a module defines."""
     return {
         name: value
         for name, value in vars(module).items()
-        if getattr(value, "__module__", "") == module.__name__
-        and isinstance(value, type)
+        if isinstance(value, type)
+        and issubclass(value, base)
+        and value.__module__ == module.__name__
         and not name.startswith("_")
     }
 
 
+_PARAMETERS = _names(ros_actions, "Parameter", "ParameterFile", "ParameterValue")
 _CONTENTS: dict[str, Mapping[str, Any]] = {
     "launch": _names(
         core,
         *("Action", "Condition", "LaunchContext", "LaunchDescription", "LaunchDescriptionEntity"),
         *("SomeSubstitutionsType", "Substitution"),
     ),
-    "launch.actions": _classes(actions),
-    "launch.conditions": _classes(conditions),
-    "launch.launch_description_sources": _classes(sources),
+    "launch.actions": _classes(actions, Action),
+    "launch.conditions": _classes(actions, Condition),
+    "launch.launch_description_sources": _classes(actions, actions.AnyLaunchDescriptionSource),
     "launch.logging": {"get_logger": logging.getLogger},
     "launch.substitutions": {
-        **_classes(substitutions),
+        **_classes(substitutions, Substitution),
         **_names(core, "SubstitutionFailure", "TextSubstitution"),
     },
     "launch.utilities": _names(core, "normalize_to_list_of_substitutions", "perform_substitutions"),
     "launch_ros": {},
-    "launch_ros.actions": _classes(ros_actions),
-    "launch_ros.descriptions": _classes(values),
-    "launch_ros.parameter_descriptions": _classes(values),
+    "launch_ros.actions": {
+        **_classes(ros_actions, Action),
+        "PushRosNamespace": ros_actions.PushROSNamespace,
+    },
+    "launch_ros.descriptions": _PARAMETERS,
+    "launch_ros.parameter_descriptions": _PARAMETERS,
     "launch_ros.substitutions": _names(packages, "FindPackagePrefix", "FindPackageShare"),
     "launch_xml": {},
-    "launch_xml.launch_description_sources": _names(sources, "XMLLaunchDescriptionSource"),
+    "launch_xml.launch_description_sources": _names(actions, "XMLLaunchDescriptionSource"),
     "launch_yaml": {},
-    "launch_yaml.launch_description_sources": _names(sources, "YAMLLaunchDescriptionSource"),
+    "launch_yaml.launch_description_sources": _names(actions, "YAMLLaunchDescriptionSource"),
     "nav2_common": {},
 }
-_FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *ABSENT]} | {"ament_index_python"}
+# What does not run here, by module; in one without names nothing does.
+_ABSENT = {
+    module: names.split()
+    for module, names in {
+        "launch": "LaunchIntrospector LaunchService",
+        "launch.actions": "EmitEvent ExecuteLocal ExecuteProcess ForEach ForLoop OpaqueCoroutine "
+        "PopEnvironment PopLaunchConfigurations PushEnvironment PushLaunchConfigurations "
+        "RegisterEventHandler ResetEnvironment ResetLaunchConfigurations Shutdown "
+        "UnregisterEventHandler UnsetLaunchConfiguration",
+        "launch.event_handlers": "OnExecutionComplete OnProcessExit OnProcessIO OnProcessStart "
+        "OnShutdown",
+        "launch.events": "",
+        "launch.events.process": "",
+        "launch.substitutions": "AllSubstitution AnonName AnySubstitution Command FileContent "
+        "FindExecutable LaunchLogDir LocalSubstitution",
+        "launch_param_builder": "",
+        "launch_ros.actions": "ComposableNodeContainer LifecycleTransition "
+        "LoadComposableNodes ROSTimer RosTimer SetROSLogDir SetUseSimTime",
+        "launch_ros.descriptions": "ComposableNode",
+        "launch_ros.event_handlers": "OnStateTransition",
+        "launch_ros.events": "",
+        "launch_ros.events.lifecycle": "",
+        "launch_ros.substitutions": "ExecutableInPackage FindPackage Parameter",
+        "moveit_configs_utils": "",
+        "nav2_common.launch": "",
+        "xacro": "",
+    }.items()
+}
+_FAMILIES = {name.partition(".")[0] for name in [*_CONTENTS, *_ABSENT]} | {"ament_index_python"}
+_CAPITAL = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")  # It begins a word.
 
 
-class _Finder:
-    """The import finder and loader of the stand-ins."""
+class Absent(Action, Substitution):
+    """The stand-in for a part of launch that does not run here, with any arguments.
 
-    def __init__(self) -> None:
-        found = packages.index.contents()
-        self._contents = _CONTENTS | {
-            "ament_index_python": found,
-            "ament_index_python.packages": found,
-            "ament_index_python.resources": _names(packages.index, "has_resource"),
-        }
+    A call of one, and any public attribute that it lacks, gives the object itself. Its use in the
+    evaluation raises SkipActionError.
+    """
 
-    def _is_known(self, name: str) -> bool:
-        return _home(name) in self._contents or _home(name) in ABSENT
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(condition=options.get("condition"))
 
-    def find_spec(self, name: str, path: Any, target: Any = None) -> ModuleSpec | None:
-        loader: Any = self
-        return ModuleSpec(name, loader, is_package=True) if self._is_known(name) else None
+    def execute(self, context: LaunchContext) -> None:
+        raise self._error()
 
-    def create_module(self, spec: ModuleSpec) -> None:
-        """Return None, so that Python makes an ordinary module."""
+    def perform(self, context: LaunchContext) -> str:
+        raise self._error()
 
-    def exec_module(self, module: ModuleType) -> None:
-        home = _home(module.__name__)
-        found = self._contents.get(home, {})
+    def evaluate(self, context: LaunchContext) -> bool:
+        raise self._error()
 
-        def __getattr__(name: str) -> Any:  # PEP 562: what is not supported, or a module.
-            if name.startswith("_"):
-                raise AttributeError(name)
-            if name.islower() and self._is_known(f"{module.__name__}.{name}"):
-                return importlib.import_module(f"{module.__name__}.{name}")
-            absent = absent_class(home, name)
-            if absent is None:
-                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            setattr(module, name, absent)
-            return absent
+    def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
+        raise self._error()
 
-        everything = [*found, *(ABSENT.get(home, {}).keys() - {"*"})]  # For `import *`.
-        module.__dict__.update(found, __all__=everything, __getattr__=__getattr__)
+    def _error(self) -> SkipActionError:
+        text = f"{type(self).__name__} does not run here, nor what needs it: ROS 2 runs it"
+        return SkipActionError(text, self.place)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "place":
+            raise AttributeError(name)
+        return self
+
+    def __call__(self, *args: Any, **options: Any) -> Absent:
+        return self
+
+
+def absent_class(name: str) -> type[Absent]:
+    """Return a new subclass of Absent with a name."""
+    return type(name, (Absent,), {"__doc__": "A part of launch that does not run here."})
+
+
+def _modules() -> Iterator[tuple[str, ModuleType]]:
+    """Yield the stand-ins by their names, also the modules of classes, which editors import."""
+    index = packages.index.contents()
+    found = {"ament_index_python": index, "ament_index_python.packages": index, **_CONTENTS}
+    for name in [*found, *(_ABSENT.keys() - found)]:
+        module, absent = ModuleType(name), _ABSENT.get(name)
+        contents = {**found.get(name, {}), **{each: absent_class(each) for each in absent or ()}}
+        module.__dict__.update(contents, __path__=[])
+        if absent == []:
+            module.__dict__["__getattr__"] = _absent_attribute
+        yield name, module
+        for each in contents:
+            yield f"{name}.{_CAPITAL.sub('_', each).lower()}", module
+
+
+def _absent_attribute(name: str) -> type[Absent]:
+    if name.startswith("_"):
+        raise AttributeError(name)
+    return absent_class(name)
 
 
 @contextmanager
@@ -116,24 +168,14 @@ def importable_stand_ins() -> Iterator[None]:
         return [name for name in sys.modules if name.partition(".")[0] in _FAMILIES]
 
     hidden = {name: sys.modules.pop(name) for name in ours()}
-    finder: Any = _Finder()
-    sys.meta_path.insert(0, finder)
+    for name, module in _modules():
+        sys.modules[name] = module
+        parent, _, last = name.rpartition(".")
+        if module.__name__ == name and parent in sys.modules:
+            setattr(sys.modules[parent], last, module)
     try:
         yield
     finally:
-        sys.meta_path.remove(finder)
         for name in ours():
             del sys.modules[name]
         sys.modules.update(hidden)
-
-
-def _home(name: str) -> str:
-    """Return the package of a class's own module, which editors import from: `launch.actions`.
-
-    Any other module is its own.
-    """
-    parent, _, last = name.rpartition(".")
-    is_known = (
-        name in _CONTENTS or name in ABSENT or not name.startswith(("launch.", "launch_ros."))
-    )
-    return name if is_known or not last.islower() else parent

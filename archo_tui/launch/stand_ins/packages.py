@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from archo_tui.launch.package import INDEX, Package
 from archo_tui.launch.stand_ins.core import (
     LaunchContext,
     Place,
@@ -17,7 +16,7 @@ from archo_tui.launch.stand_ins.core import (
     calling_place,
     perform,
 )
-from archo_tui.launch.workspace import Workspace
+from archo_tui.launch.workspace import INDEX, Workspace
 from archo_tui.nearest import nearest_hint
 
 
@@ -61,13 +60,8 @@ class AmentIndex:
 
     def contents(self) -> dict[str, Any]:
         """Return the names of the module."""
-        return {
-            "PackageNotFoundError": PackageNotFoundError,
-            "get_package_prefix": self.get_package_prefix,
-            "get_package_share_directory": self.get_package_share_directory,
-            "get_package_share_path": self.get_package_share_path,
-            "get_packages_with_prefixes": self.get_packages_with_prefixes,
-        }
+        functions = {name: getattr(self, name) for name in dir(self) if name.startswith("get_")}
+        return {"PackageNotFoundError": PackageNotFoundError, **functions}
 
 
 class PackageIndex(AmentIndex):
@@ -78,7 +72,6 @@ class PackageIndex(AmentIndex):
 
     def __init__(self, workspace: Workspace, prefix: Path) -> None:
         super().__init__([workspace], prefix)
-        self.workspace = workspace
         # Packages that are not here, and a line that needs each.
         self.missing: dict[str, Place] = {}
         self._absent = prefix / "not_here"
@@ -94,11 +87,6 @@ class PackageIndex(AmentIndex):
             self.missing.setdefault(package_name, calling_place())
             return str(self._absent / package_name)
 
-    def has_resource(self, resource_type: str, resource_name: str) -> str | bool:
-        """Return the prefix of a package, for the resource type `packages`; else False."""
-        found = self.get_package_prefix(resource_name) if resource_type == "packages" else ""
-        return found if found and resource_name not in self.missing else False
-
     def missing_package(self, path: str) -> str:
         """Return the name of the missing package whose prefix a path is below, or ""."""
         try:
@@ -108,19 +96,16 @@ class PackageIndex(AmentIndex):
 
     def why_missing(self, path: str) -> str:
         """Return the reason why there is no file at a path, and what to do if that is known."""
-        for package in self.workspace.packages.values():
-            share = package.share_folder(self.prefix)
+        for package in self.workspaces[0].packages.values():
+            share = self.prefix / "share" / package.name
             if share in Path(path).parents:
-                return _why_missing(package, Path(path).relative_to(share))
+                inside = Path(path).relative_to(share)
+                if not (package.folder / inside).is_file():
+                    return f"{package.name} has no {inside.as_posix()}"
+                place = "data_files" if package.is_python else "install(DIRECTORY"
+                file = f"{package.build_file.name} of {package.name}"
+                return f"{file} does not install {inside.as_posix()}: name it in {place}"
         return f"no file {path}"
-
-
-def _why_missing(package: Package, inside: Path) -> str:
-    if not (package.folder / inside).is_file():
-        return f"{package.name} has no {inside.as_posix()}"
-    rule = "name it in data_files" if package.is_python else "name its folder in install(DIRECTORY"
-    file = package.build_file.name
-    return f"{file} of {package.name} does not install {inside.as_posix()}: {rule}"
 
 
 index = PackageIndex(Workspace(()), Path(os.devnull))

@@ -1,4 +1,4 @@
-"""The actions of `launch_ros.actions`."""
+"""The actions of `launch_ros.actions`, and the parameters that they give."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -14,22 +15,19 @@ from archo_tui.errors import ArchoError
 from archo_tui.launch.stand_ins import packages
 from archo_tui.launch.stand_ins.core import (
     Action,
-    Flag,
     LaunchContext,
-    Number,
+    Made,
+    Place,
     SkipActionError,
     SubstitutionFailure,
     Text,
     Texts,
-    at,
-    perform,
-)
-from archo_tui.launch.stand_ins.values import (
-    Parameter,
-    ParameterFile,
-    evaluate_parameters,
     flag,
+    normalize_to_list_of_substitutions,
     number,
+    perform,
+    performed,
+    value_of,
 )
 
 # Names of nodes and of the parts of namespaces (https://design.ros2.org/articles/topic_and_service_names.html).
@@ -37,6 +35,42 @@ _TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # The launch configurations that hold what all nodes of a scope get.
 _NAMESPACE, _PARAMETERS, _REMAPPINGS = "ros_namespace", "global_params", "ros_remaps"
 _NOT_FOLLOWED = ("cwd", "on_exit", "prefix", "respawn_max_retries", "shell")
+
+
+@dataclass(eq=False)
+class ParameterValue(Made):
+    """The value of a parameter, and the type that its text is to become.
+
+    Without a type, the text of a substitution is read as YAML 1.1; a plain text stays one.
+    """
+
+    value: Any
+    _: KW_ONLY
+    value_type: Any = None
+
+    def evaluate(self, context: LaunchContext) -> Any:
+        """Return the value with its substitutions performed; raise SubstitutionFailure."""
+        try:
+            return value_of(context, self.value, self.value_type)
+        except ValueError as error:
+            raise SubstitutionFailure(error, self.place) from None
+
+
+class Parameter(ParameterValue):
+    """A parameter by its name and value, and the type that its text is to become."""
+
+    def __init__(self, name: Text, value: Any, *, value_type: Any = None) -> None:
+        super().__init__(value, value_type=value_type)
+        self.name = normalize_to_list_of_substitutions(name)
+
+
+@dataclass(eq=False)
+class ParameterFile(Made):
+    """A parameter file; `allow_substs` tells that `$(var name)` in it is to be replaced."""
+
+    param_file: Text
+    _: KW_ONLY
+    allow_substs: Any = False
 
 
 @dataclass(eq=False)
@@ -54,9 +88,8 @@ class Node(Action):
     arguments: Texts | None = None
     env: Mapping[Any, Any] | None = None
     additional_env: Mapping[Any, Any] | None = None
-    output: Any = "log"
-    respawn: Flag = False
-    respawn_delay: Number | None = None
+    respawn: Any = False
+    respawn_delay: Any = None
     # Not followed here.
     cwd: Any = None
     on_exit: Any = None
@@ -68,6 +101,7 @@ class Node(Action):
     emulate_tty: Any = None
     exec_name: Any = None
     log_cmd: Any = None
+    output: Any = None
     output_format: Any = None
     sigkill_timeout: Any = None
     sigterm_timeout: Any = None
@@ -77,11 +111,6 @@ class Node(Action):
         if not isinstance(self.parameters, (list, type(None))):
             kind = type(self.parameters).__name__
             raise TypeError(f"parameters is a list: parameters=[...], not {kind}")
-        ready = (Mapping, Parameter, ParameterFile)
-        self.parameters = [
-            entry if isinstance(entry, ready) else ParameterFile(entry)
-            for entry in self.parameters or ()
-        ]
         self.remappings = list(self.remappings or ())
         for rule in self.remappings:
             if not isinstance(rule, tuple) or len(rule) != 2:
@@ -95,10 +124,13 @@ class Node(Action):
         package = perform(context, self.package)
         name = None if self.name is None else perform(context, self.name)
         namespace = _namespace(context, self.namespace)
-        self._check_names(name, namespace)
+        for word in [name or "_", *(namespace or "/_").strip("/").split("/")]:
+            if word and not _TOKEN.fullmatch(word):
+                text = f"{word!r} is no name of a node or namespace"
+                rule = "letters, digits and _, and no digit first"
+                raise SubstitutionFailure(f"{text}: {rule}", self.place)
         environment = context.changed_environment()
-        for key, value in {**(self.env or {}), **(self.additional_env or {})}.items():
-            environment[perform(context, key)] = perform(context, value)
+        environment.update(performed(context, self.env) | performed(context, self.additional_env))
         program = {
             "package": package,
             "executable": executable,
@@ -108,14 +140,13 @@ class Node(Action):
             "arguments": [perform(context, part) for part in self.arguments or ()],
             "respawn": flag(context, self.respawn),
             "respawn_delay": number(context, self.respawn_delay or 0.0),
-            "output": _output(context, self.output),
             "environment": environment,
             "start_delay": context.time,
             "file": os.path.realpath(self.place.file),  # Share folders have links.
             "line": self.place.line,
         }
         try:
-            entry_point = packages.index.workspace.entry_point(package, executable)
+            entry_point = packages.index.workspaces[0].entry_point(package, executable)
         except ArchoError as error:
             raise SkipActionError(str(error)) from None
         context.programs.append({**program, "entry_point": asdict(entry_point)})
@@ -123,22 +154,10 @@ class Node(Action):
             if getattr(self, option):
                 context.note(self.place, f"{option} of a Node is not followed here")
 
-    def _check_names(self, name: str | None, namespace: str | None) -> None:
-        rule = "letters, digits and _, and no digit first"
-        if name is not None and not _TOKEN.fullmatch(name):
-            raise SubstitutionFailure(f"name={name!r} is no name of a node: {rule}", self.place)
-        tokens = (namespace or "/").removeprefix("/")
-        if tokens and not all(_TOKEN.fullmatch(token) for token in tokens.split("/")):
-            text = f"namespace={namespace!r} is no namespace: {rule} between /"
-            raise SubstitutionFailure(text, self.place)
-
     def _ros_args(
         self, context: LaunchContext, name: str | None, namespace: str | None
     ) -> Iterator[str]:
-        """Yield the words after `--ros-args`, in the order in which launch_ros writes them.
-
-        Some parameters are written to a file for it.
-        """
+        """Yield the words after `--ros-args`, in the order in which launch_ros writes them."""
         yield from [perform(context, part) for part in self.ros_arguments or ()]
         if name is not None:
             yield from ("-r", f"__node:={name}")
@@ -148,60 +167,87 @@ class Node(Action):
             if isinstance(entry, tuple):
                 yield from ("-p", f"{entry[0]}:={entry[1]}")
             else:
-                with at(self.place):
-                    file = ParameterFile(entry)
-                yield from self._file_args(context, file)
-        both = name is not None and namespace is not None
-        full_name = f"{(namespace or '').rstrip('/')}/{name}" if both else ""
+                yield from _file_args(context, entry, self.place)
+        full_name = "" if name is None or namespace is None else f"{namespace.rstrip('/')}/{name}"
         for place, given in enumerate(self.parameters or []):
-            yield from self._parameter_args(context, given, full_name, place)
+            if isinstance(given, ParameterFile):
+                has_substitutions = flag(context, given.allow_substs)
+                path = perform(context, given.param_file)
+                yield from _file_args(context, path, given.place, has_substitutions)
+            elif isinstance(given, Parameter):
+                yield from _value_args(evaluate_parameters(context, {tuple(given.name): given}))
+            elif not isinstance(given, Mapping):
+                yield from _file_args(context, perform(context, given), self.place)
+            elif (values := evaluate_parameters(context, given)) and full_name:
+                # launch_ros writes a file, which has precedence over `-p`.
+                folder = packages.index.prefix / "parameters"
+                folder.mkdir(parents=True, exist_ok=True)
+                file = folder / f"{len(context.programs)}_{place}.yaml"
+                text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
+                file.write_text(text, encoding="utf-8")
+                yield from ("--params-file", str(file))
+            else:
+                yield from _value_args(values)
         shared = context.launch_configurations.get(_REMAPPINGS, ())
         own = [(perform(context, old), perform(context, new)) for old, new in self.remappings]
         for old, new in [*shared, *own]:
             yield from ("-r", f"{old}:={new}")
-
-    def _parameter_args(
-        self, context: LaunchContext, given: Any, full_name: str, place: int
-    ) -> Iterator[str]:
-        """Yield the arguments for an entry of `parameters`; a full name makes a file of them."""
-        if isinstance(given, ParameterFile):
-            yield from self._file_args(context, given)
-            return
-        is_one = isinstance(given, Parameter)
-        values = evaluate_parameters(context, {tuple(given.name): given} if is_one else given)
-        if full_name and values and not is_one:  # launch_ros writes a file, which has precedence.
-            folder = packages.index.prefix / "parameters"
-            folder.mkdir(parents=True, exist_ok=True)
-            file = folder / f"{len(context.programs)}_{place}.yaml"
-            text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
-            file.write_text(text, encoding="utf-8")
-            yield from ("--params-file", str(file))
-            return
-        for name, value in values.items():
-            yield from ("-p", f"{name}:={_in_one_line(value)}")
-
-    def _file_args(self, context: LaunchContext, given: ParameterFile) -> Iterator[str]:
-        """Yield the arguments for a parameter file, or only add a note why it is left out."""
-        path = given.evaluate(context)
-        missing, name = packages.index.missing_package(path), os.path.basename(path)
-        if missing:
-            context.note(given.place, f"{missing} is not here, so {name} of it is left out")
-        elif not os.path.isfile(path):
-            why = packages.index.why_missing(path)
-            context.note(given.place, f"parameter file {name} is left out: {why}")
-        elif flag(context, given.allow_substs) and _has_substitutions(path):
-            context.note(given.place, f"{name} is left out: $(...) in it is not replaced here")
-        else:
-            yield from ("--params-file", path)
 
 
 class LifecycleNode(Node):
     """A managed node, which nothing here configures or activates."""
 
 
+def _value_args(values: Mapping[str, Any]) -> Iterator[str]:
+    for name, value in values.items():
+        # One line of YAML 1.1, as launch_ros writes it: so nodes read the text `1e3`, which it does
+        # not quote, as a number, as on ROS 2.
+        text = yaml.safe_dump([value], default_flow_style=True, width=10**9, allow_unicode=True)
+        yield from ("-p", f"{name}:={text.strip()[1:-1]}")
+
+
+def _file_args(
+    context: LaunchContext, given: str, place: Place, has_substitutions: bool = False
+) -> Iterator[str]:
+    """Yield the arguments for a parameter file, or only add a note why it is left out."""
+    path, name = os.path.abspath(given), os.path.basename(given)
+    missing = packages.index.missing_package(path)
+    if missing:
+        context.note(place, f"{missing} is not here, so {name} of it is left out")
+    elif not os.path.isfile(path):
+        why = packages.index.why_missing(path)
+        context.note(place, f"parameter file {name} is left out: {why}")
+    elif has_substitutions and b"$(" in Path(path).read_bytes():
+        context.note(place, f"{name} is left out: $(...) in it is not replaced here")
+    else:
+        yield from ("--params-file", path)
+
+
+def evaluate_parameters(
+    context: LaunchContext, given: Mapping[Any, Any], prefix: str = ""
+) -> dict[str, Any]:
+    """Return the parameters of a mapping by their full names: `{"pid": {"p": 1}}` is `pid.p`."""
+    found: dict[str, Any] = {}
+    for key, value in given.items():
+        name = prefix + perform(context, key)
+        if isinstance(value, Mapping):
+            found |= evaluate_parameters(context, value, f"{name}.")
+        elif isinstance(value, ParameterValue):
+            found[name] = value.evaluate(context)
+        else:
+            try:
+                found[name] = value_of(context, value)
+            except ValueError as error:
+                hint = "is a text meant? ParameterValue(..., value_type=str)"
+                raise TypeError(f"parameter {name}: {error}: {hint}") from None
+            if found[name] == []:
+                raise TypeError(f"parameter {name}: the list [] is empty, so its type is not known")
+    return found
+
+
 @dataclass(eq=False)
 class PushROSNamespace(Action):
-    """The action that sets or extends the namespace of the nodes that follow in the scope."""
+    """The action that puts the nodes that follow in the scope into a namespace."""
 
     namespace: Text
 
@@ -212,13 +258,20 @@ class PushROSNamespace(Action):
 PushRosNamespace = PushROSNamespace
 
 
+def _namespace(context: LaunchContext, given: Text | None) -> str | None:
+    """Return the full namespace of a node or scope, with a leading `/`; None if there is none."""
+    around: str | None = context.launch_configurations.get(_NAMESPACE)
+    if given is None:
+        return around
+    own = perform(context, given)
+    if around and not own.startswith("/"):
+        own = f"{around.rstrip('/')}/{own}"
+    return f"/{own.strip('/')}"
+
+
 @dataclass(eq=False)
 class SetParameter(Action):
-    """The action that sets a parameter of all nodes that follow in the scope.
-
-    As in launch_ros, a list becomes the text of a tuple, and the setting outlives its scope if
-    there were such settings before.
-    """
+    """The action that sets a parameter of all nodes that follow in the scope."""
 
     name: Text
     value: Any
@@ -232,7 +285,7 @@ class SetParameter(Action):
 
 @dataclass(eq=False)
 class SetParametersFromFile(Action):
-    """The action that gives a parameter file to all nodes that follow; see SetParameter."""
+    """The action that gives a parameter file to all nodes that follow in the scope."""
 
     filename: Text
 
@@ -242,7 +295,7 @@ class SetParametersFromFile(Action):
 
 @dataclass(eq=False)
 class SetRemap(Action):
-    """The action that remaps a name for all nodes that follow; see SetParameter."""
+    """The action that remaps a name for all nodes that follow in the scope."""
 
     src: Text
     dst: Text
@@ -252,42 +305,5 @@ class SetRemap(Action):
 
 
 def _append(context: LaunchContext, name: str, entry: Any) -> None:
-    """Add an entry to a list in the launch configurations.
-
-    As in launch, a scope shares the lists that the scope around it has already: both get it.
-    """
+    """Add an entry to a list, which a scope shares with the one around it, as in launch."""
     context.launch_configurations.setdefault(name, []).append(entry)
-
-
-def _namespace(context: LaunchContext, given: Text | None) -> str | None:
-    """Return the full namespace of a node or scope, with a leading `/`; None if there is none."""
-    around: str | None = context.launch_configurations.get(_NAMESPACE)
-    if given is None:
-        return around
-    own = perform(context, given)
-    if around and not own.startswith("/"):
-        own = f"{around.rstrip('/')}/{own}"
-    own = own if own == "/" else own.rstrip("/")
-    return own if own.startswith("/") else f"/{own}"
-
-
-def _in_one_line(value: Any) -> str:
-    """Return a value as one line of YAML 1.1, as launch_ros writes it.
-
-    So the text `1e3` is not quoted, and nodes read it as a number, as on ROS 2.
-    """
-    text: str = yaml.safe_dump([value], default_flow_style=True, width=10**9, allow_unicode=True)
-    return text.strip()[1:-1]
-
-
-def _output(context: LaunchContext, given: Any) -> str:
-    """Return where the output of a program goes: `log`, `screen` or `both`."""
-    if isinstance(given, Mapping):
-        words = {perform(context, word) for word in given.values()}
-        return "both" if {"both"} & words or len(words) > 1 else "".join(words)
-    return perform(context, given)
-
-
-def _has_substitutions(path: str) -> bool:
-    with open(path, encoding="utf-8", errors="replace") as file:
-        return "$(" in file.read()

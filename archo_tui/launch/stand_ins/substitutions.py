@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import math
 import os
-import random
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -15,12 +14,10 @@ from archo_tui.launch.stand_ins.core import (
     SubstitutionFailure,
     Text,
     Texts,
-    describe,
+    flag,
     is_substitution,
-    normalize_to_list_of_substitutions,
     perform,
 )
-from archo_tui.launch.stand_ins.values import flag
 from archo_tui.nearest import nearest_hint
 
 
@@ -76,9 +73,6 @@ class PathJoinSubstitution(Substitution):
     def __truediv__(self, part: Text) -> PathJoinSubstitution:
         return PathJoinSubstitution([*self.substitutions, part])
 
-    def describe(self) -> str:
-        return "/".join(map(describe, self.substitutions))
-
 
 class PathSubstitution(PathJoinSubstitution):
     """A path, to which the operator `/` adds parts."""
@@ -91,8 +85,7 @@ class PathSubstitution(PathJoinSubstitution):
 class PythonExpression(Substitution):
     """The result of a Python expression as text.
 
-    The expression can use the given modules by their names, and what `math` contains without that
-    name.
+    It can use the given modules by their names, and what `math` contains without that name.
     """
 
     expression: Text
@@ -159,37 +152,15 @@ class OrSubstitution(AndSubstitution):
         return self._is_true(context, self.left) | self._is_true(context, self.right)
 
 
-class AnySubstitution(_Boolean):
-    """The text `true` if at least one of several booleans is true, else `false`."""
-
-    def __init__(self, *args: Text) -> None:
-        super().__init__()
-        self.args = [normalize_to_list_of_substitutions(part) for part in args]
-
-    def _holds(self, context: LaunchContext) -> bool:
-        return any([self._is_true(context, part) for part in self.args])
-
-
-class AllSubstitution(AnySubstitution):
-    """The text `true` if all of several booleans are true, else `false`."""
-
-    def _holds(self, context: LaunchContext) -> bool:
-        return all([self._is_true(context, part) for part in self.args])
-
-
 @dataclass(eq=False)
 class EqualsSubstitution(_Boolean):
-    """The text `true` if two values are equal, else `false`.
-
-    They are compared as booleans, which `1` and `0` are, too, or as numbers, if both are such; else
-    as texts.
-    """
+    """The text `true` if two values are equal as booleans, as numbers or as texts."""
 
     left: Any
     right: Any
 
     def _holds(self, context: LaunchContext) -> bool:
-        left, right = _compared(context, self.left), _compared(context, self.right)
+        left, right = [_compared(context, value) for value in (self.left, self.right)]
         words = {"true": True, "1": True, "false": False, "0": False}
         if left.lower() in words and right.lower() in words:
             return words[left.lower()] == words[right.lower()]
@@ -225,43 +196,15 @@ class IfElseSubstitution(_Boolean):
         return perform(context, self.if_value if holds else self.else_value)
 
 
-@dataclass(eq=False)
-class FileContent(Substitution):
-    """The text of a file; SubstitutionFailure is raised if the file cannot be opened."""
-
-    path: Text
-
-    def perform(self, context: LaunchContext) -> str:
-        path = perform(context, self.path)
-        try:
-            with open(path, encoding="utf-8") as file:
-                return file.read()
-        except OSError as error:
-            raise SubstitutionFailure(f"{path}: {error.strerror}", self.place) from None
-
-
-@dataclass(eq=False)
-class AnonName(Substitution):
-    """A unique name that begins with a given name; in a scope, the same for the same name."""
-
-    name: Text
-
-    def perform(self, context: LaunchContext) -> str:
-        name = perform(context, self.name)
-        unique = f"{name}_{os.getpid()}_{random.randrange(10**9)}"
-        text: str = context.launch_configurations.setdefault(f"anon{name}", unique)
-        return text
-
-
 class ThisLaunchFile(Substitution):
     """The path of the launch file that is performed, or was included last."""
 
     def perform(self, context: LaunchContext) -> str:
-        return str(context.locals.current_launch_file_path)
+        return context.launch_file
 
 
 class ThisLaunchFileDir(Substitution):
     """The folder of the launch file that is performed, or was included last."""
 
     def perform(self, context: LaunchContext) -> str:
-        return str(context.locals.current_launch_file_directory)
+        return os.path.dirname(context.launch_file)
