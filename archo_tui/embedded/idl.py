@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import keyword
 import re
+import warnings
 from pathlib import Path
 from typing import NamedTuple
 
-from . import idl_values
-from .idl_types import FLOAT32_MAX, PRIMITIVES, FieldType
+from .idl_types import FLOAT32_MAX, FLOATS, INTEGERS, PRIMITIVES, FieldType
 
+_SHOWN = 40  # Characters of a wrong value that an error quotes.
+_BOOLS = {"true": True, "1": True, "false": False, "0": False}
+_ELEMENT = re.compile(  # An element of a list of texts, up to the comma.
+    r""" *(?:"((?:[^"\\]|\\.)*)"|'((?:[^'\\]|\\.)*)'|([^,"' ][^,]*)) *,?"""
+)
 _PARTS = {".msg": 1, ".srv": 2, ".action": 3}
 _PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")  # A field's name has the same form.
 _CONSTANT = re.compile(r"[A-Z](_?[A-Z0-9])*")
@@ -31,7 +36,7 @@ class InterfaceError(ImportError):
 class Field(NamedTuple):
     """A field: its type, name, default (None if the file gives none) and line number.
 
-    The default is as `idl_values.read` returns it: a byte is an int.
+    The default is as `read_value` returns it: a byte is an int.
     """
 
     type: FieldType
@@ -121,7 +126,7 @@ def _constant(word: str, name: str, text: str) -> tuple[str, FieldType, object]:
     if not _CONSTANT.fullmatch(name):
         raise ValueError(f"{name!r} is not a name of a constant: capitals, digits and single _")
     kind = FieldType(word)
-    return name, kind, idl_values.read(text, kind)
+    return name, kind, read_value(text, kind)
 
 
 def _field(kind: FieldType, name: str, text: str, number: int) -> Field:
@@ -129,7 +134,7 @@ def _field(kind: FieldType, name: str, text: str, number: int) -> Field:
         raise ValueError(f"{name!r} is not a name of a field: small letters, digits and single _")
     if keyword.iskeyword(name):
         raise ValueError(f"{name!r} is a word of Python: rosidl's classes cannot be imported")
-    default = idl_values.read(text, kind) if text else None
+    default = read_value(text, kind) if text else None
     numbers = default if isinstance(default, list) else [default]
     for value in numbers if kind.base == "float32" else ():
         if isinstance(value, float) and FLOAT32_MAX < abs(value) < float("inf"):
@@ -179,3 +184,92 @@ def _is_message(name: str) -> bool:
     for suffix in _SUFFIXES:
         name = name.removesuffix(suffix)
     return _MESSAGE.fullmatch(name) is not None
+
+
+def read_value(text: str, kind: FieldType) -> object:
+    r"""Return the value of a constant or default as its text in an interface file means it.
+
+    A byte is an int, an array a list. Escapes such as `\n` are decoded in a single text, but not
+    in an array of texts.
+    """
+    if "/" in kind.base:
+        raise ValueError(f"{kind.base} takes no default")
+    if not kind.is_array:
+        return _single(text, kind)
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError(f"expected a list like [1, 2], not {text[:_SHOWN]}")
+    inside = text[1:-1]
+    if kind.base in ("string", "wstring"):
+        items = _texts(inside)  # Their escapes are not decoded.
+    else:
+        items = inside.split(",") if inside else []
+    if kind.fixed_size is not None and len(items) != kind.fixed_size:
+        raise ValueError(f"expected {kind.fixed_size} values, not {len(items)}")
+    if kind.upper_bound is not None and len(items) > kind.upper_bound:
+        raise ValueError(f"expected at most {kind.upper_bound} values, not {len(items)}")
+    element = kind._replace(is_array=False, fixed_size=None, upper_bound=None)
+    return [_single(item.strip(), element, is_element=True) for item in items]
+
+
+def _single(text: str, kind: FieldType, *, is_element: bool = False) -> object:
+    if kind.base in ("string", "wstring"):
+        read = _unquoted(text, kind.string_bound)
+        return _unescaped(read) if "\\" in read and not is_element else read
+    if kind.base == "bool":
+        if text.lower() not in _BOOLS:
+            raise ValueError(f"expected true, false, 1 or 0, not {text[:_SHOWN]}")
+        return _BOOLS[text.lower()]
+    if kind.base in FLOATS:
+        try:
+            return float(text)
+        except ValueError:
+            raise ValueError(f"expected a number, not {text[:_SHOWN]}") from None
+    low, high = INTEGERS.get(kind.base, (0, 255))  # The default is a byte's range.
+    value = _whole(text)
+    if value is None or not low <= value <= high:
+        raise ValueError(f"expected a whole number within {low} .. {high}, not {text[:_SHOWN]}")
+    return value
+
+
+def _whole(text: str) -> int | None:
+    for base in (10, 0):  # 010 is ten, 0x10 is sixteen.
+        try:
+            return int(text, base)
+        except ValueError:
+            continue
+    return None
+
+
+def _unquoted(text: str, bound: int | None) -> str:
+    for quote in ('"', "'"):
+        if text.startswith(quote) and text.endswith(quote):
+            text = text[1:-1]
+            if re.search(rf"(?<!\\){quote}", text):
+                raise ValueError(f"a {quote} inside is written \\{quote}")
+            text = text.replace(f"\\{quote}", quote)
+            break
+    if bound is not None and len(text) > bound:
+        raise ValueError(f"expected at most {bound} characters, not {len(text)}")
+    return text
+
+
+def _unescaped(text: str) -> str:
+    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # "\d" stays as written.
+            plain = text.encode().decode("unicode_escape")
+        return plain.encode("iso-8859-1").decode()
+    except UnicodeError:
+        raise ValueError(f"an escape that cannot be read: {text[:_SHOWN]}") from None
+
+
+def _texts(inside: str) -> list[str]:
+    found, place = [], 0
+    while place < len(inside):
+        item = _ELEMENT.match(inside, place)
+        if item is None:
+            raise ValueError(f"expected texts like 'a', \"b\", not {inside[place:][:_SHOWN]}")
+        found.append(next(part for part in item.groups() if part is not None))
+        place = item.end()
+    return found

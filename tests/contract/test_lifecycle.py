@@ -20,7 +20,7 @@ from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
 if chosen.ENGINE == "embedded":
-    from rclpy.lifecycle._states import LABELS
+    from rclpy.lifecycle.node import _LABELS as LABELS
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE

@@ -5,15 +5,22 @@ All of it runs in one process, without ROS. What fails on ROS 2 fails here, too.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rclpy import _process, utilities
+from rclpy import _process
 from rclpy import logging as logging
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok
+from rclpy.utilities import (
+    get_default_context,
+    get_rmw_implementation_identifier,
+    ok,
+    shutdown,
+    try_shutdown,
+)
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -61,24 +68,6 @@ class InitContextManager:
         try_shutdown(context=self.context)
 
 
-def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut a context down, and also the global executor.
-
-    In rclpy the global executor goes on if another context than its own is shut down.
-    """
-    utilities.shutdown(context=context)
-    _reset_executor()
-
-
-def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut a context down if it has begun, and the global executor in any case.
-
-    The arguments are those of `shutdown`.
-    """
-    utilities.try_shutdown(context=context)
-    _reset_executor()
-
-
 def create_node(node_name: str, **options: Any) -> Node:
     """Create a Node and return it; the options are those of `Node`."""
     from rclpy.node import Node
@@ -119,16 +108,10 @@ def spin_once(
 ) -> None:
     """Run one callback or task of the executor, unless none comes in time.
 
-    The callback may be that of another node. The node is added to the executor, and removed again
-    afterwards unless it was there before. What the callback raises is raised here.
+    The callback may be that of another node. What it raises is raised here.
     """
-    executor = executor or get_global_executor()
-    added = executor.add_node(node)
-    try:
-        executor.spin_once(timeout_sec=timeout_sec)
-    finally:
-        if added:
-            executor.remove_node(node)
+    with _added(node, executor) as found:
+        found.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
@@ -139,20 +122,19 @@ def spin_until_future_complete(
 ) -> None:
     """Run callbacks until the future ends, the time is up, or context or executor is shut down.
 
-    A future ends when it is done or cancelled. The node is added to the executor, and removed again
-    afterwards unless it was there before. What a callback raises is raised here.
+    A future ends when it is done or cancelled. What a callback raises is raised here.
     """
+    with _added(node, executor) as found:
+        found.spin_until_future_complete(future, timeout_sec)
+
+
+@contextmanager
+def _added(node: Node, executor: Executor | None) -> Iterator[Executor]:
+    """Add a node to an executor, and remove it again unless it was there before."""
     executor = executor or get_global_executor()
     added = executor.add_node(node)
     try:
-        executor.spin_until_future_complete(future, timeout_sec)
+        yield executor
     finally:
         if added:
             executor.remove_node(node)
-
-
-def _reset_executor() -> None:
-    process = _process.current()
-    if process.executor is not None:
-        process.executor.shutdown(0)
-        process.executor = None

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 
 DestroyableT = TypeVar("DestroyableT", bound="Destroyable")
-EntityT = TypeVar("EntityT", bound="Entity")
 
 
 class Destroyable:
@@ -107,23 +106,6 @@ class Entity(Destroyable):
         executor = self._node._executor
         if executor is not None:
             executor._make_ready(self)
-
-
-class TimedEntity(Entity):
-    """The base of entities that have work at certain times: timers."""
-
-    _next_ns = 0  # Monotonic time, in ns.
-
-    def _is_due(self) -> bool:
-        """Return True if the time has come, so that `_take` probably finds work."""
-        raise NotImplementedError
-
-    def _schedule(self) -> None:
-        """Let the node's executor check this entity when it is next due.
-
-        Without an executor nothing happens.
-        """
-        raise NotImplementedError
 
 
 class ServiceEnd(Destroyable):

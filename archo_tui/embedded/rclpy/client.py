@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
@@ -56,8 +57,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
         self._use()
         message: Any = request
-        future: Future[Any] = _Answer(self)
-        future.add_done_callback(self.remove_pending_request)
+        future: Future[Any] = Future(executor=self._node.executor)
+        future._when_done(partial(self.remove_pending_request, future))
         with self._lock:
             self._sequence_number += 1
             number = self._sequence_number
@@ -121,15 +122,3 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         if future is not None:  # Only the first response counts: every server of the name answers.
             future._set_executor(self._node.executor)
             future.set_result(response)
-
-
-class _Answer(Future[Any]):
-    """The future of a call; cancelling it makes the client forget the request."""
-
-    def __init__(self, client: Client[Any, Any]) -> None:
-        super().__init__(executor=client._node.executor)
-        self._client = client
-
-    def cancel(self) -> None:
-        super().cancel()
-        self._client.remove_pending_request(self)

@@ -50,8 +50,7 @@ class Clock:
             raise NotInitializedException
         if until.clock_type != self._clock_type:
             raise ValueError("until's clock type does not match this clock's type")
-        over = _ShutdownCondition(self._changed)
-        context.on_shutdown(over.wake)
+        context.on_shutdown(self._wake)
         simulated = self.ros_time_is_active
         left = until.nanoseconds - self.now().nanoseconds
         end = None if simulated else _time_source.monotonic_ns() + left
@@ -71,16 +70,9 @@ class Clock:
         """Block for that long on this clock; results and errors are those of `sleep_until`."""
         return self.sleep_until(self.now() + rel_time, context)
 
-
-class _ShutdownCondition:
-    """A condition with a method that notifies it, which a context calls at its shutdown."""
-
-    def __init__(self, condition: threading.Condition) -> None:
-        self._condition = condition
-
-    def wake(self) -> None:
-        with self._condition:
-            self._condition.notify_all()
+    def _wake(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
 
 
 class ROSClock(Clock):
@@ -129,5 +121,4 @@ class ROSClock(Clock):
     def _take(self, override_ns: int, active: bool) -> None:
         """Set the simulated time and whether it is active, and wake all sleepers."""
         self._override_ns, self.ros_time_is_active = override_ns, active
-        with self._changed:
-            self._changed.notify_all()
+        self._wake()

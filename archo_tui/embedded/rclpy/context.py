@@ -66,11 +66,10 @@ class Context:
         if self._has_begun and not self._ok:
             callback()
             return
-        self._callbacks = [known for known in self._callbacks if known() is not None]
-        if inspect.ismethod(callback):
-            self._callbacks.append(weakref.WeakMethod(callback))
-        else:
-            self._callbacks.append(lambda: callback)
+        reference = weakref.WeakMethod(callback) if inspect.ismethod(callback) else lambda: callback
+        # A method is kept once: a clock asks for it at each sleep.
+        others = [known for known in self._callbacks if known != reference]
+        self._callbacks = [known for known in others if known() is not None] + [reference]
 
     def shutdown(self) -> None:
         """End the context: its nodes leave the graph, then callbacks of `on_shutdown` are called.

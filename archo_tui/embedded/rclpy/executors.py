@@ -23,9 +23,10 @@ from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy import _process, _time_source
-from rclpy._entity import Entity, TimedEntity
+from rclpy._entity import Entity
 from rclpy.context import Context
 from rclpy.task import Future, Task
+from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class Executor:
         self._ready: dict[Entity, None] = {}  # In the order in which they became ready.
         self._round: deque[Entity | Task[Any]] = deque()  # The rest of the current round.
         self._blocked: list[Entity] = []  # Ready, but their callback group is taken.
-        self._timers: list[tuple[int, int, TimedEntity]] = []
+        self._timers: list[tuple[int, int, Timer]] = []
         self._due_ns: int | None = None  # When the next timer is due; known if no work is left.
         self._order = itertools.count()
         self._is_shutdown = False
@@ -111,7 +112,7 @@ class Executor:
             self._nodes[node] = next(self._order)
             node.executor = self
             for entity in node._entities():
-                if isinstance(entity, TimedEntity):
+                if isinstance(entity, Timer):
                     entity._schedule()
                 if entity._waiting():
                     self._make_ready(entity)
@@ -290,7 +291,7 @@ class Executor:
         with self._condition:
             self._tasks.append(task)
 
-    def _add_timer(self, timer: TimedEntity) -> None:
+    def _add_timer(self, timer: Timer) -> None:
         with self._condition:
             if timer._node in self._nodes:  # Otherwise it is added with its node.
                 heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))

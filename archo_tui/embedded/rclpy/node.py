@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
@@ -13,7 +12,7 @@ from rclpy import (
     _process,
     logging,
 )
-from rclpy._entity import Destroyable, Entity, EntityT
+from rclpy._entity import Destroyable, DestroyableT, Endpoint, Entity
 from rclpy._graph import Topic
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
@@ -52,6 +51,7 @@ from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
+T = TypeVar("T")
 NamesAndTypes = list[tuple[str, list[str]]]
 _DESCRIBES_TYPES = "start_type_description_service"
 
@@ -97,9 +97,8 @@ class Node(NodeParameters, Destroyable):
         self._executor: Executor | None = None
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
-        self._publishers: list[Publisher[Any]] = []
         self._rosout: Publisher[Log] | None = None
-        self._entity_list: list[Entity] = []
+        self._made: list[Any] = []  # Publishers, subscriptions, services, clients, timers.
         with self._graph.changed:
             self._graph.nodes.append(self)
             self._graph.changed.notify_all()
@@ -218,9 +217,7 @@ class Node(NodeParameters, Destroyable):
     @property
     def publishers(self) -> Iterator[Publisher[Any]]:
         """Return this node's publishers, without those of its actions and that of /rosout."""
-        return iter(
-            [p for p in self._publishers if not p._is_part_of_action and p is not self._rosout]
-        )
+        return (p for p in self._outside_actions(Publisher) if p is not self._rosout)
 
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
@@ -260,7 +257,7 @@ class Node(NodeParameters, Destroyable):
         callbacks = event_callbacks or PublisherEventCallbacks()
         group = callback_group or self._default_callback_group
         publisher.event_handlers = callbacks.create_event_handlers(group, publisher, topic)
-        self._publishers.append(publisher)
+        self._made.append(publisher)
         self._graph.add_publisher(publisher)
         return publisher
 
@@ -284,7 +281,7 @@ class Node(NodeParameters, Destroyable):
         subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         subscription.event_handlers = callbacks.create_event_handlers(group, subscription, topic)
-        self._entity_list.append(subscription)
+        self._made.append(subscription)
         self._graph.add_subscription(subscription)
         return subscription
 
@@ -303,7 +300,7 @@ class Node(NodeParameters, Destroyable):
         client: Client[Any, Any] = Client(
             self, srv_type, srv_name, name, group or self._default_callback_group, qos_profile
         )
-        self._entity_list.append(client)
+        self._made.append(client)
         self._graph.add_named(self._graph.clients, name, client)
         return client
 
@@ -336,7 +333,7 @@ class Node(NodeParameters, Destroyable):
         group = callback_group or self._default_callback_group
         period_ns = int(float(timer_period_sec) * 1e9)
         timer = Timer(self, callback, group, period_ns, clock or self._clock)
-        self._entity_list.append(timer)
+        self._made.append(timer)
         if autostart:
             timer._schedule()
         else:
@@ -347,7 +344,7 @@ class Node(NodeParameters, Destroyable):
         """Return a rate of that frequency (Hz); another thread must spin the node."""
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
-        timer = self.create_timer(1.0 / frequency, _nothing, self._rate_group, clock=clock)
+        timer = self.create_timer(1.0 / frequency, lambda: None, self._rate_group, clock)
         return Rate(timer, context=self._context)
 
     def destroy_rate(self, rate: Rate) -> bool:
@@ -356,31 +353,17 @@ class Node(NodeParameters, Destroyable):
         The timer of another node's rate goes on ticking.
         """
         rate.destroy()
-        return self._destroy(rate._timer)
+        return self.destroy_timer(rate._timer)
 
-    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
-        """Destroy a publisher of this node; return False, and do nothing, for any other."""
-        if publisher not in self._publishers:
+    def destroy_publisher(self, entity: Any) -> bool:
+        """Destroy a publisher of this node; return False, and do nothing, for another node's."""
+        if entity not in self._made:
             return False
-        self._publishers.remove(publisher)
-        publisher.destroy()
+        self._made.remove(entity)
+        entity.destroy()
         return True
 
-    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
-        """Destroy a subscription of this node; return False, and do nothing, for any other."""
-        return self._destroy(subscription)
-
-    def destroy_client(self, client: Client[Any, Any]) -> bool:
-        """Destroy a client of this node; return False, and do nothing, for any other."""
-        return self._destroy(client)
-
-    def destroy_service(self, service: Service[Any, Any]) -> bool:
-        """Destroy a service of this node; return False, and do nothing, for any other."""
-        return self._destroy(service)
-
-    def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer of this node; return False, and do nothing, for any other."""
-        return self._destroy(timer)
+    destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
 
     def _add_service(
         self,
@@ -396,27 +379,20 @@ class Node(NodeParameters, Destroyable):
         name = self._validated(srv_name, is_service=True)
         group = group or self._default_callback_group
         service = kind(self, srv_type, srv_name, name, callback, group, qos_profile)
-        self._entity_list.append(service)
+        self._made.append(service)
         self._graph.add_named(self._graph.services, name, service)
         return service
 
-    def _destroy(self, entity: Any) -> bool:
-        if entity not in self._entity_list:
-            return False
-        self._entity_list.remove(entity)
-        entity.destroy()
-        return True
-
     def _entities(self) -> list[Entity]:
         """Return everything that has callbacks: entities, and the handlers of endpoints' events."""
-        endpoints = itertools.chain(self._publishers, self._all(Subscription))
-        return [*self._entity_list, *(event for one in endpoints for event in one.event_handlers)]
+        endpoints = self._all(Endpoint)
+        return [*self._all(Entity), *(event for one in endpoints for event in one.event_handlers)]
 
-    def _all(self, kind: type[EntityT]) -> list[EntityT]:
-        return [entity for entity in self._entity_list.copy() if isinstance(entity, kind)]
+    def _all(self, kind: type[T]) -> list[T]:
+        return [entity for entity in self._made.copy() if isinstance(entity, kind)]
 
-    def _outside_actions(self, kind: type[EntityT]) -> Iterator[EntityT]:
-        """Yield the entities of a kind, without those that an action consists of."""
+    def _outside_actions(self, kind: type[DestroyableT]) -> Iterator[DestroyableT]:
+        """Yield what was made of a kind, without what an action consists of."""
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 
     def get_node_names(self) -> list[str]:
@@ -473,8 +449,7 @@ class Node(NodeParameters, Destroyable):
         Those of actions are included. `no_demangle` has no effect.
         """
         nodes = self._named(node_name, node_namespace)
-        publishers = [publisher for node in nodes for publisher in node._publishers]
-        return _sorted((p._topic_name, p.msg_type) for p in publishers)
+        return _sorted((p._topic_name, p.msg_type) for node in nodes for p in node._all(Publisher))
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
@@ -576,10 +551,9 @@ class Node(NodeParameters, Destroyable):
         self._destroyed = True
         if self._rosout is not None:
             logging.disconnect(self._logger.name, self._publish_log)
-        for thing in itertools.chain(self._publishers, self._entity_list):
+        for thing in self._made:
             thing.destroy()
-        self._publishers.clear()
-        self._entity_list.clear()
+        self._made.clear()
         with self._graph.changed:
             self._graph.nodes.remove(self)
             self._graph.changed.notify_all()
@@ -613,7 +587,3 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
         endpoint_gid=list(endpoint._gid),
         qos_profile=qos,
     )
-
-
-def _nothing() -> None:
-    """Do nothing: the callback of a rate's timer until the rate sets its own."""

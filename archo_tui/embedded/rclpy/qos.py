@@ -9,7 +9,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass
 from enum import Enum, EnumMeta, IntEnum
-from typing import Any
+from typing import Any, get_type_hints
 
 from rclpy.duration import Duration
 
@@ -144,17 +144,7 @@ class QoSProfile:
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
 
 
-_KINDS: dict[str, type] = {
-    "history": HistoryPolicy,
-    "depth": int,
-    "reliability": ReliabilityPolicy,
-    "durability": DurabilityPolicy,
-    "lifespan": Duration,
-    "deadline": Duration,
-    "liveliness": LivelinessPolicy,
-    "liveliness_lease_duration": Duration,
-    "avoid_ros_namespace_conventions": bool,
-}
+_KINDS: dict[str, type] = get_type_hints(QoSProfile)
 
 
 qos_profile_unknown = QoSProfile(

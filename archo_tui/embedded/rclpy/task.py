@@ -43,7 +43,6 @@ class Future(Generic[T]):
         self._exception: BaseException | None = None
         self._is_retrieved = False
         self._callbacks: list[Callable[[Any], Any]] = []
-        self._waiting: list[Task[Any]] = []
         self._hooks: list[Callable[[], None]] = []
         self._lock = threading.Lock()
         self._set_executor(executor)
@@ -135,12 +134,9 @@ class Future(Generic[T]):
                 return
             self._state = state
             callbacks, self._callbacks = self._callbacks, []
-            waiting, self._waiting = self._waiting, []
             hooks, self._hooks = self._hooks, []
         for hook in hooks:
             hook()
-        for task in waiting:
-            task._resume()
         executor = self._executor()
         for callback in callbacks:
             if executor is not None:
@@ -151,22 +147,15 @@ class Future(Generic[T]):
             except Exception as error:
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
-    def _when_done(self, hook: Callable[[], None]) -> None:
+    def _when_done(self, hook: Callable[[], None]) -> bool:
         """Call `hook()` in the thread that ends the future, before the callbacks.
 
-        Nothing is called if the future has ended already. The same hook is kept once.
+        Return False, and call nothing, if the future has ended. The same hook is kept once.
         """
         with self._lock:
             if self._state == _PENDING and hook not in self._hooks:
                 self._hooks.append(hook)
-
-    def _wait(self, task: Task[Any]) -> bool:
-        """Resume a task when the future ends; return False, and resume nothing, if it has ended."""
-        with self._lock:
-            if self._state != _PENDING:
-                return False
-            self._waiting.append(task)
-            return True
+            return self._state == _PENDING
 
 
 class Task(Future[T]):
@@ -238,7 +227,7 @@ class Task(Future[T]):
             # The task keeps itself alive. If it were freed while the garbage collector closes its
             # inner coroutine, that coroutine would be closed a second time.
             self._itself = self
-            if awaited._wait(self):
+            if awaited._when_done(self._resume):
                 return
             self._itself = None
 

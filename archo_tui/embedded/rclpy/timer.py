@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rclpy import _time_source
-from rclpy._entity import TimedEntity
+from rclpy._entity import Entity
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ROSClock
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-class Timer(TimedEntity):
+class Timer(Entity):
     """A timer, made by `Node.create_timer`; it calls back once a period, first after a full one.
 
     Late ticks are skipped, never queued. The timer counts monotonic time, or simulated time while
@@ -106,6 +106,7 @@ class Timer(TimedEntity):
         return _time_source.monotonic_ns() if clock is None else clock._timer_ns()
 
     def _schedule(self) -> None:
+        """Let the node's executor, if there is one, check the timer when it is next due."""
         executor = self._node.executor
         if executor is None or self._canceled:
             return

@@ -33,20 +33,27 @@ def ok(*, context: Context | None = None) -> bool:
     return (context or get_default_context()).ok()
 
 
-def shutdown(*, context: Context | None = None) -> None:
-    """Shut the context down; raise RuntimeError if it has not begun, or has ended.
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """Shut a context down; raise RuntimeError if it has not begun, or has ended.
 
     Without a `context`, the default one is shut down and forgotten: the next one asked for is new.
+    The global executor is shut down in any case, and not only with its own context as in rclpy.
     """
     (context or get_default_context(shutting_down=True)).shutdown()
+    _reset_executor()
 
 
-def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut the context down, if it has begun and not ended.
-
-    Without a `context`, the default one is shut down and forgotten: the next one asked for is new.
-    """
+def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """Shut a context down as `shutdown` does, if it has begun and not ended."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
+    _reset_executor()
+
+
+def _reset_executor() -> None:
+    process = _process.current()
+    if process.executor is not None:
+        process.executor.shutdown(0)
+        process.executor = None
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:

@@ -1,7 +1,12 @@
 """The package `rclpy.lifecycle`: nodes that a manager configures, activates and so on."""
 
-from rclpy.lifecycle._states import LifecycleState, TransitionCallbackReturn
-from rclpy.lifecycle.node import LifecycleNode, LifecycleNodeMixin, LifecyclePublisher
+from rclpy.lifecycle.node import (
+    LifecycleNode,
+    LifecycleNodeMixin,
+    LifecyclePublisher,
+    LifecycleState,
+    TransitionCallbackReturn,
+)
 
 Node, NodeMixin = LifecycleNode, LifecycleNodeMixin  # The short names, which rclpy has as well.
 Publisher, State = LifecyclePublisher, LifecycleState

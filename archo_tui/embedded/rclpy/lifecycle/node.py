@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from functools import partialmethod
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
 from lifecycle_msgs.srv import (
@@ -13,18 +14,66 @@ from lifecycle_msgs.srv import (
     GetState,
 )
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.lifecycle._states import (
-    CALLBACKS,
-    LABELS,
-    STEPS,
-    LifecycleState,
-    Step,
-    TransitionCallbackReturn,
-)
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 MsgT = TypeVar("MsgT")
+
+
+class TransitionCallbackReturn(Enum):
+    """The outcome of a transition's callback, which decides the next state."""
+
+    SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
+    FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
+    ERROR = Transition.TRANSITION_CALLBACK_ERROR
+
+
+class LifecycleState(NamedTuple):
+    """A state of a lifecycle node: its label and its number in lifecycle_msgs/State."""
+
+    label: str
+    state_id: int
+
+
+class _Step(NamedTuple):
+    """A transition: its number and label, and the numbers of the states it leads from and to."""
+
+    number: int
+    label: str
+    start: int
+    goal: int
+
+
+_LABELS = {
+    number: name.rpartition("STATE_")[2].lower()
+    for name, number in vars(State).items()
+    if name.startswith(("PRIMARY_STATE_", "TRANSITION_STATE_"))
+}
+_UNCONFIGURED, _INACTIVE, _ACTIVE, _FINALIZED, _FAULTY = 1, 2, 3, 4, 15
+# Each intermediate state: how it is entered, the first number of its ends, and where these lead.
+_THROUGH: tuple[tuple[int, dict[int, int], str, int, int, int, int], ...] = (
+    (10, {_UNCONFIGURED: 1}, "configure", 10, _INACTIVE, _UNCONFIGURED, _FAULTY),
+    (11, {_INACTIVE: 2}, "cleanup", 20, _UNCONFIGURED, _INACTIVE, _FAULTY),
+    (13, {_INACTIVE: 3}, "activate", 30, _ACTIVE, _INACTIVE, _FAULTY),
+    (14, {_ACTIVE: 4}, "deactivate", 40, _INACTIVE, _ACTIVE, _FAULTY),
+    (12, {_UNCONFIGURED: 5, _INACTIVE: 6, _ACTIVE: 7}, "shutdown", 50, _FINALIZED, _FINALIZED,
+     _FAULTY),
+    (_FAULTY, {}, "", 60, _UNCONFIGURED, _FINALIZED, _FINALIZED),
+)  # fmt: skip
+_CALLBACKS = {state: f"on_{label or 'error'}" for state, _, label, *_ in _THROUGH}
+_STEPS = [
+    step
+    for state, begins, label, ends, *goals in _THROUGH
+    for step in (
+        *(_Step(number, label, start, state) for start, number in begins.items()),
+        *(
+            _Step(ends + place, f"transition_{outcome.name.lower()}", state, goal)
+            for place, (outcome, goal) in enumerate(
+                zip(TransitionCallbackReturn, goals, strict=True)
+            )
+        ),
+    )
+]
 _SUCCESS, _ERROR = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.ERROR
 
 
@@ -75,8 +124,7 @@ class LifecycleNodeMixin:
     def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
         """Destroy a publisher of this node; return False for any other."""
         node: Any = self
-        destroyed: bool = node.destroy_publisher(publisher)
-        return destroyed
+        return bool(node.destroy_publisher(publisher))
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Configure the node, which was `unconfigured`."""
@@ -94,9 +142,8 @@ class LifecycleNodeMixin:
 
     def _activate(self, activated: bool) -> TransitionCallbackReturn:
         node: Any = self
-        for publisher in node._publishers:
-            if isinstance(publisher, LifecyclePublisher):
-                publisher.is_activated = activated
+        for publisher in node._all(LifecyclePublisher):
+            publisher.is_activated = activated
         return _SUCCESS
 
     def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
@@ -106,7 +153,7 @@ class LifecycleNodeMixin:
         returned.
         """
         node: Any = self
-        before = LifecycleState(LABELS[self._state], self._state)
+        before = LifecycleState(_LABELS[self._state], self._state)
         try:
             self._take(transition)
         except RCLError as error:
@@ -125,12 +172,12 @@ class LifecycleNodeMixin:
     trigger_deactivate = partialmethod(_run_transition, "deactivate")
     trigger_shutdown = partialmethod(_run_transition, "shutdown")
 
-    def _steps(self) -> list[Step]:
-        return [step for step in STEPS if step.start == self._state]
+    def _steps(self) -> list[_Step]:
+        return [step for step in _STEPS if step.start == self._state]
 
     def _call(self, before: LifecycleState) -> TransitionCallbackReturn:
         node: Any = self
-        callback = CALLBACKS[self._state]
+        callback = _CALLBACKS[self._state]
         try:
             said: TransitionCallbackReturn = getattr(self, callback)(before)
         except Exception as error:
@@ -147,7 +194,7 @@ class LifecycleNodeMixin:
                     event = TransitionEvent(start_state=start, goal_state=goal)
                     self._transition_events.publish(event)
                 return
-        current = LABELS[self._state]
+        current = _LABELS[self._state]
         raise RCLError(f"Unable to start transition {transition} from current state {current}")
 
     def _change(self, request: Any, response: Any) -> Any:
@@ -160,7 +207,7 @@ class LifecycleNodeMixin:
         return response
 
     def _tell_states(self, request: Any, response: Any) -> Any:
-        response.available_states = [_state(number) for number in LABELS]
+        response.available_states = [_state(number) for number in _LABELS]
         return response
 
     def _tell_transitions(self, request: Any, response: Any) -> Any:
@@ -168,7 +215,7 @@ class LifecycleNodeMixin:
         return response
 
     def _tell_graph(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [_description(step) for step in STEPS]
+        response.available_transitions = [_description(step) for step in _STEPS]
         return response
 
 
@@ -185,10 +232,10 @@ class LifecycleNode(LifecycleNodeMixin, Node):
 
 
 def _state(number: int) -> State:
-    return State(id=number, label=LABELS[number])
+    return State(id=number, label=_LABELS[number])
 
 
-def _description(step: Step) -> TransitionDescription:
+def _description(step: _Step) -> TransitionDescription:
     return TransitionDescription(
         transition=Transition(id=step.number, label=step.label),
         start_state=_state(step.start),
