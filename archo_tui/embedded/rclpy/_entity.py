@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import uuid
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -14,6 +15,7 @@ from rclpy.callback_groups import CallbackGroup
 if TYPE_CHECKING:
     from rclpy.event_handler import EventHandler
     from rclpy.node import Node
+    from rclpy.qos import QoSProfile
 
 
 DestroyableT = TypeVar("DestroyableT", bound="Destroyable")
@@ -56,9 +58,14 @@ class Destroyable:
 class Endpoint(Destroyable):
     """The base of publishers and subscriptions, with the handlers of their events."""
 
-    topic: str  # As given.
-    _topic_name: str  # As on the graph.
     event_handlers: Sequence[EventHandler] = ()
+
+    def __init__(
+        self, node: Node, msg_type: Any, topic: str, topic_name: str, qos_profile: QoSProfile
+    ) -> None:
+        self._node, self.msg_type, self.qos_profile = node, msg_type, qos_profile
+        self.topic, self._topic_name = topic, topic_name  # As given, and as on the graph.
+        self._gid = list(uuid.uuid4().bytes)
 
     @property
     def topic_name(self) -> str:
@@ -108,18 +115,6 @@ class Entity(Destroyable):
             executor._make_ready(self)
 
 
-class ServiceEnd(Destroyable):
-    """The base of a service's client and server."""
-
-    _service_name: str  # As on the graph.
-
-    @property
-    def service_name(self) -> str:
-        """Return the service's name on the graph; raise InvalidHandle after `destroy()`."""
-        self._use()
-        return self._service_name
-
-
 class QueueEntity(Entity):
     """An entity with a queue of received items; a full queue drops its oldest item.
 
@@ -152,3 +147,31 @@ class QueueEntity(Entity):
 
     def _waiting(self) -> int:
         return 0 if self._destroyed else len(self._queue)
+
+
+class ServiceEnd(QueueEntity):
+    """The base of a service's client and server; `table` is the graph's, in which it is listed."""
+
+    def __init__(
+        self,
+        node: Node,
+        srv_type: Any,
+        srv_name: str,
+        service_name: str,
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+        table: dict[str, list[Any]],
+    ) -> None:
+        super().__init__(node, callback_group, qos_profile._queue_size)
+        self.srv_type, self.qos_profile, self._table = srv_type, qos_profile, table
+        self.srv_name, self._service_name = srv_name, service_name  # As given, on the graph.
+
+    @property
+    def service_name(self) -> str:
+        """Return the service's name on the graph; raise InvalidHandle after `destroy()`."""
+        self._use()
+        return self._service_name
+
+    def destroy(self) -> None:
+        super().destroy()
+        self._node._graph.remove_named(self._table, self._service_name, self)

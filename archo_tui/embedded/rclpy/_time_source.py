@@ -8,33 +8,15 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol
-
-
-class TimeSource(Protocol):
-    """The interface of a source of time: two clocks, and how a thread waits."""
-
-    def monotonic_ns(self) -> int:
-        """Return monotonic time, in ns."""
-
-    def time_ns(self) -> int:
-        """Return Unix time, in ns."""
-
-    def wait(
-        self,
-        condition: threading.Condition,
-        idle: Callable[[], bool],
-        until_ns: int | None = None,
-    ) -> None:
-        """Release `condition`, which the caller holds, until it is notified or the time has come.
-
-        The caller holds the condition again afterwards. The method may return early: the caller
-        looks again.
-        """
+from typing import Any
 
 
 class MachineTime:
-    """The source of time that asks this machine's clocks; it is used unless a test replaces it."""
+    """This machine's clocks, in ns, and how a thread waits; the source unless a test replaces it.
+
+    `wait` releases a condition, which the caller holds, until it is notified or the time has come;
+    it may return early: the caller looks again.
+    """
 
     def monotonic_ns(self) -> int:
         return time.monotonic_ns()
@@ -52,10 +34,10 @@ class MachineTime:
         condition.wait(seconds)
 
 
-_source: TimeSource = MachineTime()
+_source: MachineTime = MachineTime()
 
 
-def use(source: TimeSource) -> TimeSource:
+def use(source: Any) -> Any:
     """Replace the source of time of the whole process, and return the previous source."""
     global _source
     before, _source = _source, source
@@ -96,5 +78,5 @@ def wait_until(
 
 
 def wait(condition: threading.Condition, idle: Callable[[], bool], until_ns: int | None) -> None:
-    """Wait as `TimeSource.wait` of the current source does."""
+    """Wait as `MachineTime.wait` of the current source does."""
     _source.wait(condition, idle, until_ns)

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from rclpy import _time_source
-from rclpy._entity import QueueEntity, ServiceEnd
-from rclpy.callback_groups import CallbackGroup
+from rclpy._entity import ServiceEnd
 from rclpy.context import Context
-from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
 from rclpy.task import Future, wait_for
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 SrvRequestT = TypeVar("SrvRequestT")
 SrvResponseT = TypeVar("SrvResponseT")
 
 
-class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
+class Client(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     """A client of a service, made by `Node.create_client`.
 
     A full queue drops the oldest response.
@@ -29,20 +24,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
     _rank = 4
 
-    def __init__(
-        self,
-        node: Node,
-        srv_type: Any,
-        srv_name: str,
-        service_name: str,
-        callback_group: CallbackGroup,
-        qos_profile: QoSProfile,
-    ) -> None:
-        super().__init__(node, callback_group, qos_profile._queue_size)
-        self.srv_type = srv_type
-        self.qos_profile = qos_profile
-        self.srv_name = srv_name  # As given.
-        self._service_name = service_name  # As on the graph.
+    def __init__(self, *end: Any) -> None:
+        super().__init__(*end)
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -109,11 +92,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
                 _time_source.patience_ns(timeout_sec),
             )
             return self.service_is_ready()
-
-    def destroy(self) -> None:
-        super().destroy()
-        graph = self._node._graph
-        graph.remove_named(graph.clients, self._service_name, self)
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import total_ordering
+from dataclasses import dataclass
 
 import builtin_interfaces.msg
 
@@ -10,51 +10,35 @@ S_TO_NS = 1_000_000_000
 _INFINITE = 2**63 - 1  # In ns.
 
 
-@total_ordering
+@dataclass(frozen=True, order=True, repr=False, init=False)
 class Duration:
     """A span of time in ns, which may be negative."""
 
-    def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
-        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+    nanoseconds: int
 
-    @property
-    def nanoseconds(self) -> int:
-        """Return the whole span, in ns."""
-        return self._nanoseconds
+    def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
+        object.__setattr__(self, "nanoseconds", int(seconds * S_TO_NS) + int(nanoseconds))
 
     def __str__(self) -> str:
-        return "Infinite" if self._nanoseconds == _INFINITE else f"{self._nanoseconds} nanoseconds"
+        return "Infinite" if self.nanoseconds == _INFINITE else f"{self.nanoseconds} nanoseconds"
 
     def __repr__(self) -> str:
-        return f"Duration(nanoseconds={self._nanoseconds})"
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Duration):
-            return NotImplemented
-        return self._nanoseconds == other._nanoseconds
-
-    def __hash__(self) -> int:
-        return hash(self._nanoseconds)
+        return f"Duration(nanoseconds={self.nanoseconds})"
 
     def __add__(self, other: Duration) -> Duration:
         if not isinstance(other, Duration):
             return NotImplemented
-        return Duration(nanoseconds=self._nanoseconds + other._nanoseconds)
+        return Duration(nanoseconds=self.nanoseconds + other.nanoseconds)
 
     def __sub__(self, other: Duration) -> Duration:
         if not isinstance(other, Duration):
             return NotImplemented
-        return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
+        return Duration(nanoseconds=self.nanoseconds - other.nanoseconds)
 
     def __mul__(self, factor: float) -> Duration:
         if not isinstance(factor, (int, float)):
             return NotImplemented
-        return Duration(nanoseconds=int(self._nanoseconds * factor))
-
-    def __lt__(self, other: Duration) -> bool:
-        if not isinstance(other, Duration):
-            return NotImplemented
-        return self._nanoseconds < other._nanoseconds
+        return Duration(nanoseconds=int(self.nanoseconds * factor))
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Duration) -> Duration:
@@ -65,7 +49,7 @@ class Duration:
 
     def to_msg(self) -> builtin_interfaces.msg.Duration:
         """Return the span as builtin_interfaces/Duration."""
-        sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
+        sec, nanosec = divmod(self.nanoseconds, S_TO_NS)
         return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
@@ -12,7 +13,7 @@ from rclpy import (
     _process,
     logging,
 )
-from rclpy._entity import Destroyable, DestroyableT, Endpoint, Entity
+from rclpy._entity import Destroyable, DestroyableT, Endpoint, Entity, ServiceEnd
 from rclpy._graph import Topic
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
@@ -52,6 +53,7 @@ from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
 T = TypeVar("T")
+ServiceEndT = TypeVar("ServiceEndT", bound=ServiceEnd)
 NamesAndTypes = list[tuple[str, list[str]]]
 _DESCRIBES_TYPES = "start_type_description_service"
 
@@ -278,7 +280,8 @@ class Node(NodeParameters, Destroyable):
         group = callback_group or self._default_callback_group
         name = self._validated(topic)
         qos = as_profile(qos_profile)
-        subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
+        subscription: Subscription[MsgT]
+        subscription = Subscription(callback, group, raw, self, msg_type, topic, name, qos)
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         subscription.event_handlers = callbacks.create_event_handlers(group, subscription, topic)
         self._made.append(subscription)
@@ -294,15 +297,8 @@ class Node(NodeParameters, Destroyable):
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
         """Create a client of a service."""
-        self._use()
-        check_is_valid_srv_type(srv_type)
-        name, group = self._validated(srv_name, is_service=True), callback_group
-        client: Client[Any, Any] = Client(
-            self, srv_type, srv_name, name, group or self._default_callback_group, qos_profile
-        )
-        self._made.append(client)
-        self._graph.add_named(self._graph.clients, name, client)
-        return client
+        table = self._graph.clients
+        return self._add(Client, table, srv_type, srv_name, callback_group, qos_profile)
 
     def create_service(
         self,
@@ -314,7 +310,10 @@ class Node(NodeParameters, Destroyable):
         callback_group: CallbackGroup | None = None,
     ) -> Service[Any, Any]:
         """Create a service."""
-        return self._add_service(Service, srv_type, srv_name, callback, callback_group, qos_profile)
+        make: Any = partial(Service, callback)
+        return self._add(
+            make, self._graph.services, srv_type, srv_name, callback_group, qos_profile
+        )
 
     def create_timer(
         self,
@@ -365,23 +364,24 @@ class Node(NodeParameters, Destroyable):
 
     destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
 
-    def _add_service(
+    def _add(
         self,
-        kind: type[Service[Any, Any]],
+        make: Callable[..., ServiceEndT],
+        table: dict[str, list[Any]],
         srv_type: Any,
         srv_name: str,
-        callback: Callable[..., Any],
         group: CallbackGroup | None,
         qos_profile: QoSProfile,
-    ) -> Service[Any, Any]:
+    ) -> ServiceEndT:
+        """Add a client or a service to the node, and to its table of the graph."""
         self._use()
         check_is_valid_srv_type(srv_type)
         name = self._validated(srv_name, is_service=True)
         group = group or self._default_callback_group
-        service = kind(self, srv_type, srv_name, name, callback, group, qos_profile)
-        self._made.append(service)
-        self._graph.add_named(self._graph.services, name, service)
-        return service
+        end = make(self, srv_type, srv_name, name, group, qos_profile, table)
+        self._made.append(end)
+        self._graph.add_named(table, name, end)
+        return end
 
     def _entities(self) -> list[Entity]:
         """Return everything that has callbacks: entities, and the handlers of endpoints' events."""

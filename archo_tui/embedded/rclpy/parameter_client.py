@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
+Parameters = Sequence[Any]
 DoneCallback = Callable[[Future[Any]], Any] | None  # Called with the future when it is done.
 
 
@@ -75,22 +76,14 @@ class AsyncParameterClient:
         return self._call("get_parameters", callback, names=names)
 
     def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request types; the response has them in the order of the names.
-
-        If one is not declared, the response is empty.
-        """
+        """Request types; see `get_parameters`."""
         return self._call("get_parameter_types", callback, names=names)
 
     def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request descriptors; the response has them in the order of the names.
-
-        If one is not declared, the response is empty.
-        """
+        """Request descriptors; see `get_parameters`."""
         return self._call("describe_parameters", callback, names=names)
 
-    def set_parameters(
-        self, parameters: Sequence[Any], callback: DoneCallback = None
-    ) -> Future[Any]:
+    def set_parameters(self, parameters: Parameters, callback: DoneCallback = None) -> Future[Any]:
         """Request to set parameters one by one; the response has a result for each.
 
         `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
@@ -98,12 +91,9 @@ class AsyncParameterClient:
         return self._call("set_parameters", callback, parameters=_messages(parameters))
 
     def set_parameters_atomically(
-        self, parameters: Sequence[Any], callback: DoneCallback = None
+        self, parameters: Parameters, callback: DoneCallback = None
     ) -> Future[Any]:
-        """Request to set all parameters or none; the response has one result.
-
-        `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
-        """
+        """Request to set all parameters or none; the response has one result."""
         return self._call("set_parameters_atomically", callback, parameters=_messages(parameters))
 
     def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
@@ -120,5 +110,5 @@ class AsyncParameterClient:
         return future
 
 
-def _messages(parameters: Sequence[Any]) -> list[Any]:
+def _messages(parameters: Parameters) -> list[Any]:
     return [p.to_parameter_msg() if isinstance(p, Parameter) else p for p in parameters]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces import srv
@@ -39,25 +40,19 @@ class ParameterService:
             )
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
-        try:
+        with suppress(ParameterNotDeclaredException):
             response.descriptors = self._node.describe_parameters(request.names)
-        except ParameterNotDeclaredException:
-            response.descriptors = []
         return response
 
     def _get_parameters(self, request: Any, response: Any) -> Any:
-        try:
+        with suppress(ParameterNotDeclaredException, ParameterUninitializedException):
             parameters = self._node.get_parameters(request.names)
-        except (ParameterNotDeclaredException, ParameterUninitializedException):
-            parameters = []
-        response.values = [parameter.get_parameter_value() for parameter in parameters]
+            response.values = [parameter.get_parameter_value() for parameter in parameters]
         return response
 
     def _get_parameter_types(self, request: Any, response: Any) -> Any:
-        try:
+        with suppress(ParameterNotDeclaredException):
             response.types = self._node.get_parameter_types(request.names)
-        except ParameterNotDeclaredException:
-            response.types = []
         return response
 
     def _list_parameters(self, request: Any, response: Any) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import uuid
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -10,11 +9,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from rclpy._entity import Endpoint
 from rclpy._time_source import monotonic_ns
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message
 
 if TYPE_CHECKING:
-    from rclpy.node import Node
     from rclpy.subscription import Subscription
 
 MsgT = TypeVar("MsgT")
@@ -24,21 +22,10 @@ _FOR_EVER = Duration(seconds=-1)
 class Publisher(Endpoint, Generic[MsgT]):
     """A publisher of messages on one topic, made by `Node.create_publisher`."""
 
-    def __init__(
-        self,
-        node: Node,
-        msg_type: type[MsgT],
-        topic: str,
-        topic_name: str,
-        qos_profile: QoSProfile,
-    ) -> None:
-        self._node = node
-        self.msg_type = msg_type
-        self.topic = topic  # As given.
-        self._topic_name = topic_name  # As on the graph.
-        self.qos_profile = qos_profile
+    def __init__(self, *endpoint: Any) -> None:
+        super().__init__(*endpoint)
+        qos_profile = self.qos_profile
         self._sent = 0
-        self._gid = list(uuid.uuid4().bytes)
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         # Kept for late joiners, each with the time (ns) of its sending.

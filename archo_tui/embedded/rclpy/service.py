@@ -6,13 +6,10 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from rclpy._entity import QueueEntity, ServiceEnd
-from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSProfile
+from rclpy._entity import ServiceEnd
 
 if TYPE_CHECKING:
     from rclpy.client import Client
-    from rclpy.node import Node
 
 SrvRequestT = TypeVar("SrvRequestT")
 SrvResponseT = TypeVar("SrvResponseT")
@@ -25,7 +22,7 @@ class RequestHeader(NamedTuple):
     sequence_number: int
 
 
-class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
+class Service(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     """A server of a service, made by `Node.create_service`.
 
     A full queue drops the oldest request.
@@ -33,21 +30,8 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
     _rank = 5
 
-    def __init__(
-        self,
-        node: Node,
-        srv_type: Any,
-        srv_name: str,
-        service_name: str,
-        callback: Callable[[Any, Any], Any],
-        callback_group: CallbackGroup,
-        qos_profile: QoSProfile,
-    ) -> None:
-        super().__init__(node, callback_group, qos_profile._queue_size)
-        self.srv_type = srv_type
-        self.qos_profile = qos_profile
-        self.srv_name = srv_name  # As given.
-        self._service_name = service_name  # As on the graph.
+    def __init__(self, callback: Callable[[Any, Any], Any], *end: Any) -> None:
+        super().__init__(*end)
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
@@ -60,11 +44,6 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         message: Any = response
         client, number = header
         client._deliver((number, message.__received__()))
-
-    def destroy(self) -> None:
-        super().destroy()
-        graph = self._node._graph
-        graph.remove_named(graph.services, self._service_name, self)
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import inspect
-import uuid
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 from rclpy import _time_source
 from rclpy._entity import Endpoint, QueueEntity
 from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSProfile
 
 from archo_tui.embedded.cdr import encode
 
@@ -48,23 +46,15 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     def __init__(
         self,
-        node: Node,
-        msg_type: type[MsgT],
-        topic: str,
-        topic_name: str,
         callback: Callable[..., Any],
         callback_group: CallbackGroup,
-        qos_profile: QoSProfile,
-        raw: bool = False,
+        raw: bool,
+        node: Node,
+        *endpoint: Any,
     ) -> None:
-        super().__init__(node, callback_group, qos_profile._queue_size)
-        self.msg_type = msg_type
-        self.topic = topic  # As given.
-        self._topic_name = topic_name  # As on the graph.
-        self.callback = callback
-        self.qos_profile = qos_profile
-        self.raw = raw
-        self._gid = list(uuid.uuid4().bytes)
+        Endpoint.__init__(self, node, *endpoint)
+        QueueEntity.__init__(self, node, callback_group, self.qos_profile._queue_size)
+        self.callback, self.raw = callback, raw
 
     @property
     def callback(self) -> Callable[..., Any]:

@@ -7,6 +7,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
@@ -235,8 +236,13 @@ class ActionServer:
         impl, goal_qos = action_type.Impl, goal_service_qos_profile
         cancel_qos, result_qos = cancel_service_qos_profile, result_service_qos_profile
         self._goal_service, self._cancel_service, self._result_service = self._services = [
-            node._add_service(
-                kind, srv_type, f"{action_name}/_action/{name}", callback, callback_group, qos
+            node._add(
+                partial(kind, callback),
+                node._graph.services,
+                srv_type,
+                f"{action_name}/_action/{name}",
+                callback_group,
+                qos,
             )
             for kind, srv_type, name, callback, qos in (
                 (DeferredService, impl.SendGoalService, "send_goal", self._on_goal, goal_qos),
