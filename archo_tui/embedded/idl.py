@@ -68,8 +68,13 @@ def parse(path: Path, package: str) -> list[Section]:
             f"{path}:1: {path.stem} is not a name of an interface: capitals, letters and digits, "
             "like BatteryStatus"
         )
-    wanted, sections = _PARTS[path.suffix], [Section(path, [], [])]
-    for number, line in enumerate(_text(path).splitlines(), 1):
+    return parse_text(_text(path), path, package, _PARTS[path.suffix])
+
+
+def parse_text(text: str, path: Path, package: str, wanted: int) -> list[Section]:
+    """Parse the wanted number of sections of an interface; errors name the path."""
+    sections = [Section(path, [], [])]
+    for number, line in enumerate(text.splitlines(), 1):
         if line == "---" and wanted > 1:
             sections.append(Section(path, [], []))
             continue

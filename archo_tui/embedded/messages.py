@@ -14,7 +14,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from . import fields as rules
-from .idl import Field, Section
+from .idl import Field, Section, parse_text
 from .idl_types import FieldType
 
 Resolve = Callable[[Section, Field], Any]
@@ -130,59 +130,35 @@ def make_action(
     `Impl` holds the services and messages that an action consists of on the graph. Creating an
     instance of the class raises NotImplementedError.
     """
-    parts: dict[str, Any] = {
-        part: make_message(f"{type_name}_{part}", section, resolve)
-        for part, section in zip(("Goal", "Result", "Feedback"), sections, strict=True)
-    }
-    parts["Impl"] = SimpleNamespace(
-        SendGoalService=_wrapped_service(
-            f"{type_name}_SendGoal", load,
-            {"goal_id": "unique_identifier_msgs/msg/UUID", "goal": parts["Goal"]},
-            {"accepted": bool, "stamp": "builtin_interfaces/msg/Time"},
+    package, path, known = type_name.split("/")[0], Path(type_name), {}
+    for part, section in zip(("Goal", "Result", "Feedback"), sections, strict=True):
+        known[f"{package}/{path.name}_{part}"] = make_message(
+            f"{type_name}_{part}", section, resolve
+        )
+
+    def within(section: Section, field: Field) -> Any:
+        return known.get(field.type.base) or resolve(section, field)
+
+    def made(name: str, *texts: str) -> Any:
+        text = "\n---\n".join(texts).format(path.name)
+        found = parse_text(text, path, package, len(texts))
+        make: Any = make_service if len(texts) > 1 else make_message
+        return make(f"{type_name}_{name}", found if len(texts) > 1 else found[0], within)
+
+    goal_id = "unique_identifier_msgs/UUID goal_id\n"
+    impl = SimpleNamespace(
+        SendGoalService=made(
+            "SendGoal",
+            goal_id + "{}_Goal goal",
+            "bool accepted\nbuiltin_interfaces/Time stamp",
         ),
-        GetResultService=_wrapped_service(
-            f"{type_name}_GetResult", load,
-            {"goal_id": "unique_identifier_msgs/msg/UUID"},
-            {"status": int, "result": parts["Result"]},
-        ),
-        FeedbackMessage=_wrapped(
-            f"{type_name}_FeedbackMessage", load,
-            {"goal_id": "unique_identifier_msgs/msg/UUID", "feedback": parts["Feedback"]},
-        ),
+        GetResultService=made("GetResult", goal_id, "int8 status\n{}_Result result"),
+        FeedbackMessage=made("FeedbackMessage", goal_id + "{}_Feedback feedback"),
         CancelGoalService=load("action_msgs/srv/CancelGoal"),
         GoalStatusMessage=load("action_msgs/msg/GoalStatusArray"),
-    )  # fmt: skip
-    return _holder(type_name, parts)
-
-
-def _wrapped_service(
-    type_name: str, load: Callable[[str], Any], request: dict[str, Any], response: dict[str, Any]
-) -> type:
-    parts = {
-        "Request": _wrapped(f"{type_name}_Request", load, request),
-        "Response": _wrapped(f"{type_name}_Response", load, response),
-    }
-    return _holder(type_name, parts)
-
-
-def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
-    """Return a new message class for one of the services and topics that an action consists of."""
-    primitives = {bool: "bool", int: "int8"}
-    classes = {
-        name: load(member) if isinstance(member, str) else member
-        for name, member in members.items()
-    }
-    fields = [
-        Field(FieldType(primitives.get(member) or _base(member)), name, None, 0)
-        for name, member in classes.items()
-    ]
-    section = Section(Path(type_name), fields, [])
-    return make_message(type_name, section, lambda _, field: classes[field.name])
-
-
-def _base(member: type[Message]) -> str:
-    package, _, name = member.__type_name__.split("/")
-    return f"{package}/{name}"
+    )
+    parts = {name.rpartition("_")[2]: message for name, message in known.items()}
+    return _holder(type_name, {**parts, "Impl": impl})
 
 
 def _holder(type_name: str, parts: dict[str, Any]) -> type:
