@@ -14,7 +14,7 @@ import itertools
 import os
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -368,14 +368,15 @@ class Executor:
             return
         self._had_tasks = False
         self._due_ns = self._collect_timers()
-        self._round.extend(self._sorted(self._ready) if len(self._ready) > 1 else self._ready)
-        self._ready = {}
+        ready, self._ready = self._ready, {}
+        if len(ready) > 1:  # By node, then by kind, then by when they became ready.
+            key: Any = _KIND if len(self._nodes) == 1 else self._place
+            self._round.extend(sorted(ready, key=key))
+        else:
+            self._round.extend(ready)
 
-    def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
-        """Return entities sorted by node, then by kind, then by when they became ready."""
-        if len(self._nodes) == 1:
-            return sorted(entities, key=_KIND)
-        return sorted(entities, key=lambda entity: (self._nodes[entity._node], entity._rank))
+    def _place(self, entity: Entity) -> tuple[int, int]:
+        return self._nodes[entity._node], entity._rank
 
     def _take(self, entity: Entity) -> Work | None:
         """Claim an entity's callback group and take a piece of its work.

@@ -7,7 +7,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
-from functools import partial
+from functools import partial, partialmethod
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
@@ -48,17 +48,6 @@ _NEXT = {
     (GoalStatus.STATUS_CANCELING, GoalEvent.ABORT): GoalStatus.STATUS_ABORTED,
     (GoalStatus.STATUS_CANCELING, GoalEvent.CANCELED): GoalStatus.STATUS_CANCELED,
 }
-
-
-def _next_state(state: int, event: GoalEvent) -> int:
-    """Return the state of a goal after an event; raise RCLError if the state does not allow it."""
-    try:
-        return _NEXT[state, event]
-    except KeyError:
-        raise RCLError(
-            f"Failed to update goal state: goal_handle attempted invalid transition from state "
-            f"{state}: {event.name}"
-        ) from None
 
 
 def _is_cancelable(state: int) -> bool:
@@ -154,28 +143,24 @@ class ServerGoalHandle:
         )
         self._server._feedback.publish(message)
 
-    def succeed(self) -> None:
-        """End the goal as SUCCEEDED, and publish that; do nothing once the goal is forgotten."""
-        self._update(GoalEvent.SUCCEED)
-
-    def abort(self) -> None:
-        """End the goal as ABORTED, and publish that; do nothing once the goal is forgotten."""
-        self._update(GoalEvent.ABORT)
-
-    def canceled(self) -> None:
-        """End the goal as CANCELED, and publish that; do nothing once the goal is forgotten."""
-        self._update(GoalEvent.CANCELED)
-
-    def destroy(self) -> None:
-        """Forget the goal: it can no longer be canceled, and its end is not published."""
-        self._destroyed = True
-
     def _update(self, event: GoalEvent) -> None:
         with self._lock:
             if self._destroyed:
                 return
-            self._status = _next_state(self._status, event)
+            if (self._status, event) not in _NEXT:
+                state = f"invalid transition from state {self._status}: {event.name}"
+                raise RCLError(f"Failed to update goal state: goal_handle attempted {state}")
+            self._status = _NEXT[self._status, event]
         self._server._publish_status(self)
+
+    # Each ends the goal, and publishes that; it does nothing once the goal is forgotten.
+    succeed = partialmethod(_update, GoalEvent.SUCCEED)
+    abort = partialmethod(_update, GoalEvent.ABORT)
+    canceled = partialmethod(_update, GoalEvent.CANCELED)
+
+    def destroy(self) -> None:
+        """Forget the goal: it can no longer be canceled, and its end is not published."""
+        self._destroyed = True
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
-from functools import partialmethod
+from functools import partial, partialmethod
 from typing import Any, NamedTuple, TypeVar
 
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
@@ -105,14 +106,15 @@ class LifecycleNodeMixin:
         self._transition_events = node.create_publisher(
             TransitionEvent, f"{node.get_name()}/transition_event", 10
         )
-        for srv_type, name, callback in (
-            (ChangeState, "change_state", self._change),
-            (GetState, "get_state", self._tell_state),
-            (GetAvailableStates, "get_available_states", self._tell_states),
-            (GetAvailableTransitions, "get_available_transitions", self._tell_transitions),
-            (GetAvailableTransitions, "get_transition_graph", self._tell_graph),
+        node.create_service(ChangeState, f"{node.get_name()}/change_state", self._change)
+        every: Any = GetAvailableTransitions
+        for srv_type, name, field, ask in (
+            (GetState, "get_state", "current_state", lambda: _state(self._state)),
+            (GetAvailableStates, "get_available_states", "available_states", lambda: _STATES),
+            (every, "get_available_transitions", "available_transitions", self._descriptions),
+            (every, "get_transition_graph", "available_transitions", lambda: _GRAPH),
         ):
-            node.create_service(srv_type, f"{node.get_name()}/{name}", callback)
+            node.create_service(srv_type, f"{node.get_name()}/{name}", partial(_tell, field, ask))
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
         """Create a publisher that is silent until the node is activated, and once deactivated."""
@@ -202,21 +204,8 @@ class LifecycleNodeMixin:
         response.success = self._run_transition(wanted) == _SUCCESS
         return response
 
-    def _tell_state(self, request: Any, response: Any) -> Any:
-        response.current_state = _state(self._state)
-        return response
-
-    def _tell_states(self, request: Any, response: Any) -> Any:
-        response.available_states = [_state(number) for number in _LABELS]
-        return response
-
-    def _tell_transitions(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [_description(s) for s in self._steps()]
-        return response
-
-    def _tell_graph(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [_description(step) for step in _STEPS]
-        return response
+    def _descriptions(self) -> list[TransitionDescription]:
+        return [_description(step) for step in self._steps()]
 
 
 class LifecycleNode(LifecycleNodeMixin, Node):
@@ -241,3 +230,12 @@ def _description(step: _Step) -> TransitionDescription:
         start_state=_state(step.start),
         goal_state=_state(step.goal),
     )
+
+
+def _tell(field: str, ask: Callable[[], Any], request: Any, response: Any) -> Any:
+    setattr(response, field, ask())
+    return response
+
+
+_STATES = [_state(number) for number in _LABELS]
+_GRAPH = [_description(step) for step in _STEPS]
