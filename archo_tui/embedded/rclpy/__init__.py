@@ -12,34 +12,17 @@ from typing import TYPE_CHECKING, Any
 from rclpy import _process
 from rclpy import logging as logging
 from rclpy.context import Context
-from rclpy.signals import SignalHandlerOptions
+from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.utilities import (
-    get_default_context,
-    get_rmw_implementation_identifier,
-    ok,
-    shutdown,
-    try_shutdown,
-)
+from rclpy.utilities import get_default_context
+from rclpy.utilities import get_rmw_implementation_identifier as get_rmw_implementation_identifier
+from rclpy.utilities import ok as ok
+from rclpy.utilities import shutdown as shutdown
+from rclpy.utilities import try_shutdown as try_shutdown
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
     from rclpy.node import Node
-
-__all__ = [
-    "InitContextManager",
-    "SignalHandlerOptions",
-    "create_node",
-    "get_global_executor",
-    "get_rmw_implementation_identifier",
-    "init",
-    "ok",
-    "shutdown",
-    "spin",
-    "spin_once",
-    "spin_until_future_complete",
-    "try_shutdown",
-]
 
 
 def init(

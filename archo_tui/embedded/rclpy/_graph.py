@@ -72,23 +72,25 @@ class Graph:
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
         """Take a publisher off the graph, if it is there, and disconnect it."""
         with self.changed:
-            topic = self.topics[publisher._topic_name]
-            if publisher in topic.publishers:
-                topic.publishers.remove(publisher)
             publisher._matched = ()
-            self._forget_if_empty(publisher._topic_name)
-            self.changed.notify_all()
+            self._remove(publisher, self.topics[publisher._topic_name].publishers)
 
     def remove_subscription(self, subscription: Subscription[Any]) -> None:
         """Take a subscription off the graph, if it is there; no publisher delivers to it then."""
         with self.changed:
             topic = self.topics[subscription._topic_name]
-            if subscription in topic.subscriptions:
-                topic.subscriptions.remove(subscription)
             for publisher in topic.publishers:
                 publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
-            self._forget_if_empty(subscription._topic_name)
-            self.changed.notify_all()
+            self._remove(subscription, topic.subscriptions)
+
+    def _remove(self, endpoint: Any, endpoints: list[Any]) -> None:
+        """Take an endpoint out of its list, and forget a topic without any."""
+        if endpoint in endpoints:
+            endpoints.remove(endpoint)
+        topic = self.topics[endpoint._topic_name]
+        if not topic.publishers and not topic.subscriptions:
+            del self.topics[endpoint._topic_name]
+        self.changed.notify_all()
 
     def add_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
         """Put a service or client into its table, and wake those who wait for the graph."""
@@ -125,11 +127,6 @@ class Graph:
                 for handler in (*publisher.event_handlers, *subscription.event_handlers):
                     handler._count(policy)
         publisher._matched = tuple(matched)
-
-    def _forget_if_empty(self, name: str) -> None:
-        topic = self.topics[name]
-        if not topic.publishers and not topic.subscriptions:
-            del self.topics[name]
 
 
 _graphs: dict[int, Graph] = {}

@@ -28,15 +28,11 @@ class QoSRequestedIncompatibleQoSInfo(NamedTuple):
     last_policy_kind: QoSPolicyKind = QoSPolicyKind.INVALID
 
 
-class IncompatibleTypeInfo(NamedTuple):
-    """The endpoints of another type in all and since the last callback; here none is reported."""
-
-    total_count: int = 0
-    total_count_change: int = 0
-
-
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
-QoSMessageLostInfo = IncompatibleTypeInfo  # Of the same form; no message is lost in one process.
+# No message is lost in one process, and no endpoint of another type is reported.
+QoSMessageLostInfo = IncompatibleTypeInfo = NamedTuple(
+    "IncompatibleTypeInfo", [("total_count", int), ("total_count_change", int)]
+)
 
 
 class EventHandler(Entity):

@@ -147,20 +147,15 @@ class QoSProfile:
 _KINDS: dict[str, type] = get_type_hints(QoSProfile)
 
 
-qos_profile_unknown = QoSProfile(
-    history=HistoryPolicy.UNKNOWN,
-    depth=0,
-    reliability=ReliabilityPolicy.UNKNOWN,
-    durability=DurabilityPolicy.UNKNOWN,
-    liveliness=LivelinessPolicy.UNKNOWN,
-)
+def _of_all(policy: str) -> QoSProfile:
+    """Return a profile of which all policies are called the same."""
+    of_samples = HistoryPolicy[policy], 0, ReliabilityPolicy[policy], DurabilityPolicy[policy]
+    return QoSProfile(*of_samples, liveliness=LivelinessPolicy[policy])
+
+
+qos_profile_unknown = _of_all("UNKNOWN")
 qos_profile_default = QoSProfile(depth=_DEFAULT_DEPTH)
-qos_profile_system_default = QoSProfile(
-    history=HistoryPolicy.SYSTEM_DEFAULT,
-    depth=0,
-    reliability=ReliabilityPolicy.SYSTEM_DEFAULT,
-    durability=DurabilityPolicy.SYSTEM_DEFAULT,
-)
+qos_profile_system_default = _of_all("SYSTEM_DEFAULT")
 qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 qos_profile_services_default = QoSProfile(depth=_DEFAULT_DEPTH)
 qos_profile_parameters = QoSProfile(depth=1000)

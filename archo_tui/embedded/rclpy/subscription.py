@@ -6,7 +6,7 @@ import contextlib
 import inspect
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
 from rclpy._entity import Endpoint, QueueEntity
@@ -19,20 +19,6 @@ if TYPE_CHECKING:
     from rclpy.publisher import Publisher
 
 MsgT = TypeVar("MsgT")
-
-
-class MessageInfo(TypedDict):
-    """The info of a message: when it was sent and received, by whom, and as which of its messages.
-
-    Both times are that of sending, in ns of Unix time. `publication_sequence_number` counts a
-    publisher's messages from 1; `reception_sequence_number` is None.
-    """
-
-    source_timestamp: int
-    received_timestamp: int
-    publication_sequence_number: int | None
-    reception_sequence_number: int | None
-    publisher_gid: Any
 
 
 class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
@@ -88,7 +74,8 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
             self._deliver(copied)
             return
         now = _time_source.time_ns()
-        info: MessageInfo = {
+        # Both times are that of sending; publications are counted from 1, receptions are not.
+        info = {
             "source_timestamp": now,
             "received_timestamp": now,
             "publication_sequence_number": sender._sent,

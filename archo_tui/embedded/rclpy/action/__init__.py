@@ -7,21 +7,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rclpy.action.client import ActionClient
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.client import ActionClient as ActionClient
+from rclpy.action.server import ActionServer as ActionServer
+from rclpy.action.server import CancelResponse as CancelResponse
+from rclpy.action.server import GoalResponse as GoalResponse
 
 if TYPE_CHECKING:
     from rclpy.node import NamesAndTypes, Node
 
-__all__ = [
-    "ActionClient",
-    "ActionServer",
-    "CancelResponse",
-    "GoalResponse",
-    "get_action_client_names_and_types_by_node",
-    "get_action_names_and_types",
-    "get_action_server_names_and_types_by_node",
-]
 _SUFFIX = "/_action/feedback"
 _TYPE_SUFFIX = "_FeedbackMessage"
 

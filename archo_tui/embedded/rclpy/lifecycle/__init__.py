@@ -1,24 +1,10 @@
 """The package `rclpy.lifecycle`: nodes that a manager configures, activates and so on."""
 
-from rclpy.lifecycle.node import (
-    LifecycleNode,
-    LifecycleNodeMixin,
-    LifecyclePublisher,
-    LifecycleState,
-    TransitionCallbackReturn,
-)
+from rclpy.lifecycle.node import LifecycleNode as LifecycleNode
+from rclpy.lifecycle.node import LifecycleNodeMixin as LifecycleNodeMixin
+from rclpy.lifecycle.node import LifecyclePublisher as LifecyclePublisher
+from rclpy.lifecycle.node import LifecycleState as LifecycleState
+from rclpy.lifecycle.node import TransitionCallbackReturn as TransitionCallbackReturn
 
 Node, NodeMixin = LifecycleNode, LifecycleNodeMixin  # The short names, which rclpy has as well.
 Publisher, State = LifecyclePublisher, LifecycleState
-
-__all__ = [
-    "LifecycleNode",
-    "LifecycleNodeMixin",
-    "LifecyclePublisher",
-    "LifecycleState",
-    "Node",
-    "NodeMixin",
-    "Publisher",
-    "State",
-    "TransitionCallbackReturn",
-]
