@@ -10,13 +10,10 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from .idl_types import FieldType
+from .idl_types import TYPE_CODES, FieldType
 
 _LITTLE, _BIG = b"\x00\x01\x00\x00", b"\x00\x00\x00\x00"
-_FORMATS = {
-    "bool": "?", "byte": "c", "char": "B", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H",
-    "int32": "i", "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
-}  # fmt: skip
+_FORMATS = {**TYPE_CODES, "bool": "?", "byte": "c"}  # struct's are those of array, and more.
 
 
 class CdrError(ValueError):

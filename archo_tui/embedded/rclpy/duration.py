@@ -10,7 +10,7 @@ S_TO_NS = 1_000_000_000
 _INFINITE = 2**63 - 1  # In ns.
 
 
-@dataclass(frozen=True, order=True, repr=False, init=False)
+@dataclass(frozen=True, order=True, init=False)
 class Duration:
     """A span of time in ns, which may be negative."""
 
@@ -21,9 +21,6 @@ class Duration:
 
     def __str__(self) -> str:
         return "Infinite" if self.nanoseconds == _INFINITE else f"{self.nanoseconds} nanoseconds"
-
-    def __repr__(self) -> str:
-        return f"Duration(nanoseconds={self.nanoseconds})"
 
     def __add__(self, other: Duration) -> Duration:
         if not isinstance(other, Duration):

@@ -429,10 +429,7 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)
-        if num_threads is None:
-            cores = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 2))
-            num_threads = len(cores(0))
-        self._executor = ThreadPoolExecutor(num_threads)
+        self._executor = ThreadPoolExecutor(os.cpu_count() if num_threads is None else num_threads)
         self._running: list[PoolFuture[None]] = []
 
     def _is_idle(self) -> bool:

@@ -45,8 +45,10 @@ class ClientGoalHandle:
     def __init__(self, client: ActionClient, goal_id: UUID, response: Any) -> None:
         self._client = client
         self._goal_id = goal_id
-        self._response = response
-        self._status = GoalStatus.STATUS_UNKNOWN
+        self.accepted = bool(response.accepted)
+        self.stamp = response.stamp  # When the server accepted the goal; 0 if refused.
+        # One of GoalStatus's constants, the last received; it stays so if the goal was refused.
+        self.status = GoalStatus.STATUS_UNKNOWN
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
@@ -61,24 +63,6 @@ class ClientGoalHandle:
     def goal_id(self) -> UUID:
         """Return the goal's UUID."""
         return self._goal_id
-
-    @property
-    def accepted(self) -> bool:
-        """Return True if the server accepted the goal."""
-        return bool(self._response.accepted)
-
-    @property
-    def stamp(self) -> Any:
-        """Return when the server accepted the goal, as builtin_interfaces/Time; 0 if refused."""
-        return self._response.stamp
-
-    @property
-    def status(self) -> int:
-        """Return the last status received, one of GoalStatus's constants.
-
-        The status is STATUS_UNKNOWN at first, and stays so if the goal was refused.
-        """
-        return self._status
 
     def get_result_async(self) -> Future[Any]:
         """Request the result; the future gets a response with `status` and `result`.
@@ -262,7 +246,7 @@ class ActionClient:
         for key, status in news:
             handle = self._goal_handles.get(key)
             if handle is not None:
-                handle._status = status
+                handle.status = status
             if status not in ACTIVE:
                 self._goal_handles.pop(key, None)
 

@@ -78,7 +78,7 @@ class ServerGoalHandle:
     def __init__(self, server: ActionServer, info: GoalInfo, request: Any) -> None:
         self._server = server
         self._info = info
-        self._request = request
+        self.request = request  # The goal message.
         self._status = GoalStatus.STATUS_ACCEPTED
         self._lock = threading.Lock()
         self._result: Future[Any] = Future()
@@ -89,11 +89,6 @@ class ServerGoalHandle:
         return isinstance(other, ServerGoalHandle) and self.goal_id == other.goal_id
 
     __hash__ = None  # type: ignore[assignment]  # as rclpy's
-
-    @property
-    def request(self) -> Any:
-        """Return the goal message."""
-        return self._request
 
     @property
     def goal_id(self) -> Any:
@@ -209,7 +204,7 @@ class ActionServer:
         if result_timeout < 0:
             raise ValueError("Failed to create action server: timer period must be non-negative")
         self._node = node
-        self._action_type = action_type
+        self.action_type = action_type
         self.register_execute_callback(execute_callback)
         self.register_goal_callback(goal_callback)
         self.register_handle_accepted_callback(handle_accepted_callback)
@@ -274,11 +269,6 @@ class ActionServer:
             handle_accepted_callback or default_handle_accepted_callback
         )
 
-    @property
-    def action_type(self) -> Any:
-        """Return the class of the action."""
-        return self._action_type
-
     def destroy(self) -> None:
         """Stop offering the action and forget its goals; their results are never sent."""
         for goal in self._goal_handles.values():
@@ -289,7 +279,7 @@ class ActionServer:
         self._node.destroy_publisher(self._status)
 
     async def _on_goal(self, request: Any, header: RequestHeader) -> None:
-        response = self._action_type.Impl.SendGoalService.Response()
+        response = self.action_type.Impl.SendGoalService.Response()
         goal_id = bytes(request.goal_id.uuid)
         answer = GoalResponse.REJECT
         if goal_id not in self._goal_handles:
@@ -325,7 +315,7 @@ class ActionServer:
         try:
             result = await await_or_execute(callback, goal)
         except Exception as error:
-            result = self._action_type.Result()
+            result = self.action_type.Result()
             self._logger.error(f"Error raised in execute callback: {error}")
             traceback.print_exc()
         if goal.is_active:
@@ -336,7 +326,7 @@ class ActionServer:
         goal._expires = self._clock.now().nanoseconds + self._result_timeout
         self._ended.append(goal)
         goal._result.set_result(
-            self._action_type.Impl.GetResultService.Response(status=goal.status, result=result)
+            self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
         )
 
     async def _on_cancel(self, request: CancelGoal.Request, response: Any) -> Any:
@@ -379,7 +369,7 @@ class ActionServer:
         goal = self._goal_handles.get(bytes(request.goal_id.uuid))
         service = self._result_service
         if goal is None:
-            unknown = self._action_type.Impl.GetResultService.Response()
+            unknown = self.action_type.Impl.GetResultService.Response()
             service.send_response(unknown, header)
             return
         goal._result.add_done_callback(
