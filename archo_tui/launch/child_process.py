@@ -70,7 +70,10 @@ def _run(module: str, given: bytes, seconds: float) -> tuple[bytes, str, int]:
     pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     command = [sys.executable, "-c", code]
     process: subprocess.Popen[bytes]
-    process = subprocess.Popen(command, start_new_session=True, **pipes)
+    try:
+        process = subprocess.Popen(command, start_new_session=True, **pipes)
+    except OSError as error:
+        raise ArchoError(f"cannot start {sys.executable}: {error.strerror}") from None
     assert process.stdin
     assert process.stdout
     assert process.stderr

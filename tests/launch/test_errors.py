@@ -29,10 +29,6 @@ WRONG = {
     "Node(package='my_robot', executable='talker', condition=IfCondition('yes')),": (
         "18: a condition is 'yes': true, 1, false or 0 is wanted"
     ),
-    "Node(package='my_robot', executable='talker', name='my-talker'),": (
-        "18: 'my-talker' is no name of a node or namespace: letters, digits and _, and no digit "
-        "first"
-    ),
     "Node(package='my_robot', executable='talker', parameters={'rate': 1}),": (
         "18: TypeError: parameters is a list: parameters=[...], not dict, "
         "in: Node(package='my_robot', executable='talker', parameters={'rate': 1}),"

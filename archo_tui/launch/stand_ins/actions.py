@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import Any
 
 from archo_tui import regular_files
 from archo_tui.launch.stand_ins import packages
@@ -152,11 +152,10 @@ class AppendEnvironmentVariable(Action):
     separator: Text = os.pathsep
 
     def execute(self, context: LaunchContext) -> None:
-        name, parts = perform(context, self.name), [perform(context, self.value)]
-        if name in context.environment:
-            at = len(parts) if flag(context, self.prepend) else 0
-            parts.insert(at, context.environment[name])
-        context.environment[name] = perform(context, self.separator).join(parts)
+        name, added = perform(context, self.name), perform(context, self.value)
+        parts = [context.environment[name], added] if name in context.environment else [added]
+        order = -1 if flag(context, self.prepend) else 1
+        context.environment[name] = perform(context, self.separator).join(parts[::order])
 
 
 @dataclass(eq=False)
@@ -232,10 +231,8 @@ class OpaqueFunction(Action):
     kwargs: Mapping[str, Any] | None = None
 
     def execute(self, context: LaunchContext) -> Iterable[Any] | None:
+        found: Iterable[Any] | None
         found = self.function(context, *(self.args or ()), **(self.kwargs or {}))
-        if found is not None and not isinstance(found, Iterable):
-            text = f"the function returns {type(found).__name__}: return a list"
-            raise SubstitutionFailure(text, self.place)
         return found
 
 
@@ -245,7 +242,7 @@ class AnyLaunchDescriptionSource(Made):
 
     launch_file_path: Text
 
-    _endings: ClassVar[tuple[str, ...]] = ("",)
+    _is_python = False  # Known by the end of the name.
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
         """Return the path of the file, and what it describes."""
@@ -253,25 +250,19 @@ class AnyLaunchDescriptionSource(Made):
         missing, name = packages.index.missing_package(path), os.path.basename(path)
         if missing:
             raise SkipActionError(f"{missing} is not here: start its {name} with ROS 2")
-        if not path.endswith(self._endings):
-            text = f"{name} is not for {type(self).__name__}"
-            hint = "AnyLaunchDescriptionSource takes each kind"
-            raise SubstitutionFailure(f"{text}: {hint}", self.place)
         if not os.path.isfile(path):
             raise SubstitutionFailure(packages.index.why_missing(path), self.place)
-        return path, load_launch_file(path)
+        return path, load_launch_file(path, self._is_python)
 
 
 class PythonLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in Python that another launch file includes."""
 
-    _endings = (".py",)
+    _is_python = True
 
 
 class FrontendLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in XML or YAML that another launch file includes."""
-
-    _endings = (".xml", ".launch", ".yaml", ".yml")
 
 
 class XMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
@@ -282,10 +273,10 @@ class YAMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
     """A launch file in YAML that another launch file includes."""
 
 
-def load_launch_file(path: str) -> LaunchDescription:
+def load_launch_file(path: str, is_python: bool = False) -> LaunchDescription:
     """Run or read a launch file, unless that is done, and return what it describes."""
-    known = loaded.setdefault(path, None)
-    found = known or loaders.get(os.path.splitext(path)[1], _run)(path)
+    load = _run if is_python else loaders.get(os.path.splitext(path)[1], _run)
+    found = loaded.setdefault(path, None) or load(path)
     loaded[path] = found
     return found
 

@@ -50,20 +50,18 @@ def calling_place() -> Place:
     return Place("", 0) if frame is None else Place(frame.f_code.co_filename, frame.f_lineno)
 
 
-class SubstitutionFailure(RuntimeError):
-    """The error for a mistake in a launch file: nothing of the file is run."""
-
+class _PlacedError(RuntimeError):
     def __init__(self, msg: object, place: Place | None = None) -> None:
         super().__init__(msg)
-        self.place = place
+        self.place = place  # None for that of the action.
 
 
-class SkipActionError(Exception):
+class SubstitutionFailure(_PlacedError):
+    """The error for a mistake in a launch file: nothing of the file is run."""
+
+
+class SkipActionError(_PlacedError):
     """The error for what is not supported or not here: the action that needs it is left out."""
-
-    def __init__(self, text: str, place: Place | None = None) -> None:
-        super().__init__(text)
-        self.place = place  # Of the value that is missing; None for the action itself.
 
 
 class LaunchContext:
@@ -180,11 +178,7 @@ def _part(given: object) -> Substitution:
 
 def is_substitution(given: object) -> bool:
     """Return True for a substitution, or a list with one; a list of texts alone is none."""
-    if isinstance(given, Substitution):
-        return True
-    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
-        return False
-    parts = list(given)
+    parts = given if isinstance(given, (list, tuple)) else [given]
     of_text = all(isinstance(part, (Substitution, str)) for part in parts)
     return of_text and any(isinstance(part, Substitution) for part in parts)
 
@@ -264,9 +258,10 @@ class Condition(Made):
 
 
 @dataclass(eq=False)
-class LaunchDescriptionEntity(Made):
-    """The base of everything that a launch description contains."""
+class Action(Made):
+    """The base of everything that is performed, if its condition holds."""
 
+    _: KW_ONLY
     condition: Condition | None = None
 
     def visit(self, context: LaunchContext) -> Iterable[Any] | None:
@@ -283,20 +278,13 @@ class LaunchDescriptionEntity(Made):
         return ()
 
 
-@dataclass(eq=False)
-class Action(LaunchDescriptionEntity):
-    """The base of all actions, which are performed only if their condition holds."""
-
-    _: KW_ONLY
-    condition: Condition | None = None
+LaunchDescriptionEntity = Action
 
 
-class LaunchDescription(LaunchDescriptionEntity):
+class LaunchDescription(Action):
     """The entities that `generate_launch_description()` returns."""
 
-    def __init__(
-        self, initial_entities: Iterable[Any] | None = None, *, deprecated_reason: str | None = None
-    ) -> None:
+    def __init__(self, initial_entities: Iterable[Any] | None = None, **_: Any) -> None:
         super().__init__()
         self.entities = list(initial_entities or ())
 
@@ -321,7 +309,7 @@ def known_entities(
     counts as empty.
     """
     for entity in entities:
-        if isinstance(entity, LaunchDescriptionEntity):
+        if isinstance(entity, Action):
             conditional = is_conditional or entity.condition is not None
             yield entity, conditional
             yield from known_entities(entity.sub_entities(), conditional)
@@ -329,7 +317,7 @@ def known_entities(
 
 def visit(entity: Any, context: LaunchContext, within: Place) -> None:
     """Perform an entity, then those that it returns; leave out what is not supported."""
-    if not isinstance(entity, LaunchDescriptionEntity):
+    if not isinstance(entity, Action):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
         raise SubstitutionFailure(text, within)
     try:

@@ -63,13 +63,11 @@ _TYPES: dict[str, Any] = {  # As a `param` names them.
     **{f"list_of_{name}": list[kind] for name, kind in _KINDS.items()},  # type: ignore[valid-type]
     "yaml": None,
 }
-# The attributes that have another type than text in YAML, or are texts with substitutions.
-_TYPED = {
-    **dict.fromkeys(("allow_substs", "emulate_tty", "forwarding", "prepend"), bool),
-    **dict.fromkeys(("cancel_on_shutdown", "scoped", "shell"), bool),
-    **dict.fromkeys(("period", "respawn_delay", "sigkill_timeout", "sigterm_timeout"), float),
-    "respawn_max_retries": int,
-    "value": object,
+# The attributes that need not be texts in YAML.
+_NO_TEXTS = {
+    *("allow_substs", "cancel_on_shutdown", "emulate_tty", "forwarding", "period", "prepend"),
+    *("respawn_delay", "respawn_max_retries", "scoped", "shell"),
+    *("sigkill_timeout", "sigterm_timeout"),
 }
 
 
@@ -82,15 +80,12 @@ class _Element:
     attributes: dict[str, Any] = field(default_factory=dict)
     elements: list[_Element] = field(default_factory=list)
 
-    def get(self, name: str, kind: type | None = None) -> Any:
-        """Return an attribute, of its type or a text; None if there is none."""
-        value, kind = self.attributes.get(name), kind or _TYPED.get(name, str)
-        if value is None or isinstance(value, (kind, str)):
+    def get(self, name: str) -> Any:
+        """Return an attribute; None if there is none."""
+        value = self.attributes.get(name)
+        if value is None or isinstance(value, str) or name in _NO_TEXTS:
             return value
-        what = f"{kind.__name__} is wanted, not {value!r}"
-        if kind is str:
-            what = f'a text is wanted: "{str(value).lower()}"'
-        raise self.failure(f"{name} of {self.tag}: {what}")
+        raise self.failure(f'{name} of {self.tag}: a text is wanted: "{str(value).lower()}"')
 
     def need(self, name: str) -> Any:
         """Return an attribute that must be there."""
@@ -98,11 +93,6 @@ class _Element:
         if value is None:
             raise self.failure(f"{self.tag} has no {name}{nearest_hint(name, self.attributes)}")
         return value
-
-    def text(self, name: str) -> Any:
-        """Return a text that must be there."""
-        self.get(name, str)
-        return self.need(name)
 
     def check_names(self, attributes: Iterable[str], tags: Iterable[str] = ()) -> None:
         """Raise SubstitutionFailure for an attribute or a sub-element of another name."""
@@ -138,9 +128,8 @@ def _read_xml(path: str) -> _Element:
     except expat.ExpatError as error:
         why = f"not XML: {expat.ErrorString(error.code)}"
         raise SubstitutionFailure(why, Place(path, error.lineno)) from None
-    except (LookupError, ValueError):  # As for `encoding="none such"`.
-        why = "not XML: its encoding is not known"
-        raise SubstitutionFailure(why, Place(path, 1)) from None
+    except (LookupError, ValueError) as error:  # As for `encoding="none such"`.
+        raise SubstitutionFailure(f"not XML: {error}", Place(path, 1)) from None
     return open_[0].elements[0]
 
 
@@ -326,7 +315,7 @@ def _condition(element: _Element) -> Condition | None:
 def _pairs(elements: Iterable[_Element], key: str = "name", value: str = "value") -> list[Any]:
     for element in elements:
         element.check_names([key, value])
-    return [(tuple(_value(e.text(key))), _value(e.text(value))) for e in elements]
+    return [(tuple(_value(e.need(key))), _value(e.need(value))) for e in elements]
 
 
 def _parameter(element: _Element) -> Any:
@@ -341,16 +330,14 @@ def _parameters(elements: Iterable[_Element]) -> dict[Any, Any]:
     """Return parameters by their names; nested ones are a mapping."""
     found: dict[Any, Any] = {}
     for element in elements:
-        element.check_names(["name", "type", "value", "value-sep"], ["param"])
+        element.check_names(["name", "type", "value"], ["param"])
         name, kind = tuple(substitutions_in(element.need("name"))), element.get("type")
         if kind is not None and kind not in _TYPES:
             near = nearest_hint(kind, _TYPES)
             raise element.failure(f"there is no type {kind}{near}: {', '.join(_TYPES)}")
-        value, separator = element.get("value"), element.get("value-sep")
+        value = element.attributes.get("value")
         if (value is None) == (not element.elements):
             raise element.failure("param has either a value or further params in it")
-        if separator is not None:
-            value = value.split(separator)
         with at(element.place):
             one = ros_actions.ParameterValue(_value(value), value_type=_TYPES.get(kind or "yaml"))
             found[name] = _parameters(element.elements) if element.elements else one
@@ -368,7 +355,7 @@ _READERS: dict[tuple[str, str], Callable[[str], Any]] = {
 _PARTS: dict[str, tuple[str, Callable[[list[_Element]], Any]]] = {
     "*": ("actions", lambda found: [*map(_action, found)]),
     "arg": ("launch_arguments", _pairs),
-    "choice": ("choices", lambda found: [unescaped(e.text("value")) for e in found] or None),
+    "choice": ("choices", lambda found: [unescaped(e.need("value")) for e in found] or None),
     "env": ("additional_env", lambda found: dict(_pairs(found))),
     "keep": ("launch_configurations", lambda found: dict(_pairs(found))),
     "param": ("parameters", lambda found: [*map(_parameter, found)]),

@@ -16,7 +16,7 @@ from archo_tui.launch.stand_ins.core import (
     calling_place,
     perform,
 )
-from archo_tui.launch.workspace import INDEX, Workspace
+from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
 
 
@@ -77,13 +77,10 @@ class PackageIndex(AmentIndex):
         self._absent = prefix / "not_here"
 
     def get_package_prefix(self, package_name: str) -> str:
-        """Return a prefix, also of the packages on AMENT_PREFIX_PATH; raise ArchoError."""
+        """Return a prefix, also of a package that is missing; raise ArchoError."""
         try:
             return super().get_package_prefix(package_name)
         except PackageNotFoundError:
-            for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-                if (Path(prefix) / INDEX / package_name).is_file():
-                    return prefix
             self.missing.setdefault(package_name, calling_place())
             return str(self._absent / package_name)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, asdict, dataclass
 from pathlib import Path
@@ -30,8 +29,6 @@ from archo_tui.launch.stand_ins.core import (
     value_of,
 )
 
-# Names of nodes and of the parts of namespaces (https://design.ros2.org/articles/topic_and_service_names.html).
-_TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # The launch configurations that hold what all nodes of a scope get.
 _NAMESPACE, _PARAMETERS, _REMAPPINGS = "ros_namespace", "global_params", "ros_remaps"
 _NOT_FOLLOWED = ("cwd", "on_exit", "prefix", "respawn_max_retries", "shell")
@@ -124,11 +121,6 @@ class Node(Action):
         package = perform(context, self.package)
         name = None if self.name is None else perform(context, self.name)
         namespace = _namespace(context, self.namespace)
-        for word in [name or "_", *(namespace or "/_").strip("/").split("/")]:
-            if word and not _TOKEN.fullmatch(word):
-                text = f"{word!r} is no name of a node or namespace"
-                rule = "letters, digits and _, and no digit first"
-                raise SubstitutionFailure(f"{text}: {rule}", self.place)
         environment = context.changed_environment()
         environment.update(performed(context, self.env) | performed(context, self.additional_env))
         program = {

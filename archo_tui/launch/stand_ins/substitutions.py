@@ -111,12 +111,6 @@ class PythonExpression(Substitution):
 class _Boolean(Substitution):
     """The base of the substitutions that compute with YAML's booleans, `1` and `0`."""
 
-    def perform(self, context: LaunchContext) -> str:
-        return str(self._holds(context)).lower()
-
-    def _holds(self, context: LaunchContext) -> bool:
-        raise NotImplementedError
-
     def _is_true(self, context: LaunchContext, given: Text) -> bool:
         try:
             return flag(context, given)
@@ -130,8 +124,8 @@ class NotSubstitution(_Boolean):
 
     value: Text
 
-    def _holds(self, context: LaunchContext) -> bool:
-        return not self._is_true(context, self.value)
+    def perform(self, context: LaunchContext) -> str:
+        return str(not self._is_true(context, self.value)).lower()
 
 
 @dataclass(eq=False)
@@ -141,25 +135,30 @@ class AndSubstitution(_Boolean):
     left: Text
     right: Text
 
-    def _holds(self, context: LaunchContext) -> bool:
-        return self._is_true(context, self.left) & self._is_true(context, self.right)
+    def perform(self, context: LaunchContext) -> str:
+        both = self._is_true(context, self.left) & self._is_true(context, self.right)
+        return str(both).lower()
 
 
 class OrSubstitution(AndSubstitution):
     """The text `true` if at least one of two booleans is true, else `false`."""
 
-    def _holds(self, context: LaunchContext) -> bool:
-        return self._is_true(context, self.left) | self._is_true(context, self.right)
+    def perform(self, context: LaunchContext) -> str:
+        one = self._is_true(context, self.left) | self._is_true(context, self.right)
+        return str(one).lower()
 
 
 @dataclass(eq=False)
-class EqualsSubstitution(_Boolean):
+class EqualsSubstitution(Substitution):
     """The text `true` if two values are equal as booleans, as numbers or as texts."""
 
     left: Any
     right: Any
 
-    def _holds(self, context: LaunchContext) -> bool:
+    def perform(self, context: LaunchContext) -> str:
+        return str(self._are_equal(context)).lower()
+
+    def _are_equal(self, context: LaunchContext) -> bool:
         left, right = [_compared(context, value) for value in (self.left, self.right)]
         words = {"true": True, "1": True, "false": False, "0": False}
         if left.lower() in words and right.lower() in words:
@@ -173,8 +172,8 @@ class EqualsSubstitution(_Boolean):
 class NotEqualsSubstitution(EqualsSubstitution):
     """The text `true` if two values differ by the rules of EqualsSubstitution, else `false`."""
 
-    def _holds(self, context: LaunchContext) -> bool:
-        return not super()._holds(context)
+    def _are_equal(self, context: LaunchContext) -> bool:
+        return not super()._are_equal(context)
 
 
 def _compared(context: LaunchContext, value: Any) -> str:
