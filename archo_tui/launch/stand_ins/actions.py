@@ -23,6 +23,7 @@ from archo_tui.launch.stand_ins.core import (
     SkipActionError,
     SubstitutionFailure,
     Text,
+    at,
     flag,
     number,
     perform,
@@ -318,9 +319,8 @@ class IncludeLaunchDescription(Action):
 
     def execute(self, context: LaunchContext) -> list[Any]:
         context.launch_file, description = self._source.load(context)
-        for name, value in self._arguments:
-            context.launch_configurations[perform(context, name)] = perform(context, value)
-        return [description]
+        with at(self.place):  # Each by itself: one that cannot be performed is left out alone.
+            return [*(SetLaunchConfiguration(*pair) for pair in self._arguments), description]
 
     def sub_entities(self) -> Iterable[Any]:
         """Return the entities of the file, without the arguments that are given here."""

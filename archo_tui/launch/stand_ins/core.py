@@ -135,6 +135,11 @@ class Substitution(Made):
         """Return the text that the substitution stands for now; SubstitutionFailure without one."""
         raise NotImplementedError
 
+    def describe(self) -> str:
+        """Return the substitution as `--show-args` shows a default."""
+        values = [getattr(self, field.name) for field in fields(self)]
+        return f"{type(self).__name__}({', '.join(described(v) for v in values if v)})"
+
 
 @dataclass(eq=False)
 class TextSubstitution(Substitution):
@@ -146,16 +151,15 @@ class TextSubstitution(Substitution):
     def perform(self, context: LaunchContext) -> str:
         return self.text
 
+    def describe(self) -> str:
+        return self.text
+
 
 def described(given: Any) -> str:
     """Return the parts of a text as `--show-args` shows a default."""
     if isinstance(given, list):
-        several = any(isinstance(part, list) for part in given)
-        return (", " if several else "").join(map(described, given))
-    if isinstance(given, Substitution) and not isinstance(given, TextSubstitution):
-        values = [getattr(given, field.name) for field in fields(given)]
-        return f"{type(given).__name__}({', '.join(described(v) for v in values if v)})"
-    return str(getattr(given, "text", given))
+        return "".join(map(described, given))
+    return given.describe() if isinstance(given, Substitution) else str(given)
 
 
 def normalize_to_list_of_substitutions(given: Text) -> list[Substitution]:

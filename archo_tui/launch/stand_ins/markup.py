@@ -46,6 +46,7 @@ _SUBSTITUTIONS: dict[str, Any] = {
     "env": substitutions.EnvironmentVariable,
     "equals": substitutions.EqualsSubstitution,
     "eval": substitutions.PythonExpression,
+    "file-content": substitutions.FileContent,
     "filename": substitutions.ThisLaunchFile,
     "find-pkg-prefix": FindPackagePrefix,
     "find-pkg-share": FindPackageShare,

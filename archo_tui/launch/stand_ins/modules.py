@@ -80,7 +80,7 @@ _ABSENT = {
         "OnShutdown",
         "launch.events": "",
         "launch.events.process": "",
-        "launch.substitutions": "AllSubstitution AnonName AnySubstitution Command FileContent "
+        "launch.substitutions": "AllSubstitution AnonName AnySubstitution Command "
         "FindExecutable LaunchLogDir LocalSubstitution",
         "launch_param_builder": "",
         "launch_ros.actions": "ComposableNodeContainer LifecycleTransition "
@@ -142,7 +142,12 @@ def absent_class(name: str) -> type[Absent]:
 def _modules() -> Iterator[tuple[str, ModuleType]]:
     """Yield the stand-ins by their names, also the modules of classes, which editors import."""
     index = packages.index.contents()
-    found = {"ament_index_python": index, "ament_index_python.packages": index, **_CONTENTS}
+    found = {
+        "ament_index_python": index,
+        "ament_index_python.packages": index,
+        "ament_index_python.resources": _names(packages.index, "has_resource"),
+        **_CONTENTS,
+    }
     for name in [*found, *(_ABSENT.keys() - found)]:
         module, absent = ModuleType(name), _ABSENT.get(name)
         contents = {**found.get(name, {}), **{each: absent_class(each) for each in absent or ()}}

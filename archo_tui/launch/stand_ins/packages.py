@@ -84,6 +84,11 @@ class PackageIndex(AmentIndex):
             self.missing.setdefault(package_name, calling_place())
             return str(self._absent / package_name)
 
+    def has_resource(self, resource_type: str, resource_name: str) -> str | bool:
+        """Return the prefix of a package, for the resource type `packages`; else False."""
+        found = self.get_package_prefix(resource_name) if resource_type == "packages" else ""
+        return found if found and resource_name not in self.missing else False
+
     def missing_package(self, path: str) -> str:
         """Return the name of the missing package whose prefix a path is below, or ""."""
         try:

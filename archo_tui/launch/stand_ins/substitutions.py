@@ -6,6 +6,7 @@ import importlib
 import math
 import os
 from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
 from typing import Any
 
 from archo_tui.launch.stand_ins.core import (
@@ -14,6 +15,7 @@ from archo_tui.launch.stand_ins.core import (
     SubstitutionFailure,
     Text,
     Texts,
+    described,
     flag,
     is_substitution,
     perform,
@@ -69,6 +71,9 @@ class PathJoinSubstitution(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         return os.path.join(*[perform(context, part) for part in self.substitutions])
+
+    def describe(self) -> str:
+        return "/".join(map(described, self.substitutions))
 
     def __truediv__(self, part: Text) -> PathJoinSubstitution:
         return PathJoinSubstitution([*self.substitutions, part])
@@ -193,6 +198,20 @@ class IfElseSubstitution(_Boolean):
     def perform(self, context: LaunchContext) -> str:
         holds = self._is_true(context, self.condition)
         return perform(context, self.if_value if holds else self.else_value)
+
+
+@dataclass(eq=False)
+class FileContent(Substitution):
+    """The text of a file; SubstitutionFailure is raised if the file cannot be opened."""
+
+    path: Text
+
+    def perform(self, context: LaunchContext) -> str:
+        path = perform(context, self.path)
+        try:
+            return Path(path).read_text(encoding="utf-8")
+        except OSError as error:
+            raise SubstitutionFailure(f"{path}: {error.strerror}", self.place) from None
 
 
 class ThisLaunchFile(Substitution):
