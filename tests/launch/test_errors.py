@@ -210,6 +210,7 @@ def test_arguments_are_listed_without_performing_anything(
                 DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
                 DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
                 GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
+                TimerAction(period=1.0, actions=[DeclareLaunchArgument('late')]),
                 LogInfo(msg=LaunchConfiguration('nowhere')),
             ])
         """
@@ -221,6 +222,7 @@ def test_arguments_are_listed_without_performing_anything(
         ("mode", "fast", ["fast", "slow"], False),
         ("ns", "/LaunchConfiguration(robot)", [], False),
         ("extra", None, [], True),
+        ("late", None, [], False),
     ]
     assert found[0].description == "its name"
 

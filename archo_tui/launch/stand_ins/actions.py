@@ -206,9 +206,16 @@ class TimerAction(Action):
     actions: Iterable[Any]
     cancel_on_shutdown: Any = True
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.actions = list(self.actions)
+
     def execute(self, context: LaunchContext) -> None:
         time, turn = context.time + number(context, self.period), len(context.delayed)
-        heapq.heappush(context.delayed, (time, turn, [*self.actions], context.launch_file))
+        heapq.heappush(context.delayed, (time, turn, self.actions, context.launch_file))
+
+    def sub_entities(self) -> Iterable[Any]:
+        return self.actions
 
 
 @dataclass(eq=False)
