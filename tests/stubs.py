@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 
 from archo_tui.embedded import HERE
-from archo_tui.embedded.idl import Section, parse
-from archo_tui.embedded.idl_types import FLOATS, INTEGERS, TYPE_CODES, FieldType
+from archo_tui.embedded.idl import FLOATS, INTEGERS, TYPE_CODES, FieldType, Section, parse
 from archo_tui.embedded.import_hook import KINDS
 
 _HEADER = "# Made by tests.stubs from the interface files; a test keeps it fresh.\n"

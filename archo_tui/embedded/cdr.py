@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from .idl_types import TYPE_CODES, FieldType
+from .idl import TYPE_CODES, FieldType
 
 _LITTLE, _BIG = b"\x00\x01\x00\x00", b"\x00\x00\x00\x00"
 _FORMATS = {**TYPE_CODES, "bool": "?", "byte": "c"}  # struct's are those of array, and more.

@@ -14,7 +14,7 @@ from collections import UserString
 from collections.abc import Callable, Sequence, Set
 from typing import Any
 
-from .idl_types import FLOAT32_MAX, FLOATS, INTEGERS, TYPE_CODES, FieldType
+from .idl import FLOAT32_MAX, FLOATS, INTEGERS, TYPE_CODES, FieldType
 
 _FLOAT32 = struct.Struct("f")
 _SEQUENCES: Any = (Sequence, Set, array.array)

@@ -14,8 +14,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from . import fields as rules
-from .idl import Field, Section, parse_text
-from .idl_types import FieldType
+from .idl import Field, FieldType, Section, parse_text
 
 Resolve = Callable[[Section, Field], Any]
 

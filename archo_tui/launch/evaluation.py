@@ -11,22 +11,14 @@ from typing import Any
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process
 from archo_tui.launch.child_process import ChildError
-from archo_tui.launch.stand_ins import markup, packages
+from archo_tui.launch.stand_ins import core, markup, packages
 from archo_tui.launch.stand_ins.actions import (
     DeclareLaunchArgument,
     load_launch_file,
     loaded,
     loaders,
 )
-from archo_tui.launch.stand_ins.core import (
-    LaunchContext,
-    Place,
-    SubstitutionFailure,
-    described,
-    known_entities,
-    visit,
-    visit_delayed,
-)
+from archo_tui.launch.stand_ins.core import LaunchContext, Place, SubstitutionFailure
 from archo_tui.launch.stand_ins.modules import importable_stand_ins
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
@@ -69,14 +61,14 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
 def _evaluate(path: str, given: Mapping[str, str] | None, context: LaunchContext) -> dict[str, Any]:
     description = load_launch_file(path)
     declared: dict[str, dict[str, Any]] = {}
-    for entity, is_conditional in known_entities([description]):
+    for entity, is_conditional in core.known_entities([description]):
         if isinstance(entity, DeclareLaunchArgument):
             declared.setdefault(entity.name, _as_json(entity, is_conditional))
     if given is not None:
         context.launch_file = path
         context.launch_configurations.update(given)
-        visit(description, context, Place(path, 1))
-        visit_delayed(context)
+        core.visit(description, context, Place(path, 1))
+        core.visit_delayed(context)
         _note_unknown(path, given, declared.keys() | context.read, context)
     return {
         "programs": context.programs,
@@ -107,7 +99,7 @@ def _as_json(argument: DeclareLaunchArgument, is_conditional: bool) -> dict[str,
     return {
         "name": argument.name,
         "description": argument.description or "",
-        "default": None if default is None else described(default),
+        "default": None if default is None else core.described(default),
         "choices": argument.choices or (),
         "is_conditional": is_conditional,
     }

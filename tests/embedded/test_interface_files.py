@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.embedded.idl import InterfaceError, parse
-from archo_tui.embedded.idl_types import FieldType
+from archo_tui.embedded.idl import FieldType, InterfaceError, parse
 from archo_tui.errors import ArchoError
 from archo_tui.user_code import interfaces as own_interfaces
 

@@ -102,7 +102,7 @@ def test_xml_and_yaml_start_what_python_starts(launcher: Launcher, text: str, li
     assert last.start_delay == 2.0
     said, left_out = plan.notes
     assert said.text.endswith("/share/my_robot/launch")  # Of the file that was included last.
-    assert left_out.text.startswith("ExecuteProcess does not run here")
+    assert left_out.text.startswith("executable does not run here")
     assert [(one.name, one.default, one.description) for one in plan.arguments[:2]] == [
         ("robot", "r1", "its name"),
         ("sim", "false", ""),

@@ -12,7 +12,7 @@ from typing import Any
 
 
 class MachineTime:
-    """This machine's clocks, in ns, and how a thread waits; the source unless a test replaces it.
+    """The clocks of the machine, in ns, and how a thread waits; a test can replace them.
 
     `wait` releases a condition, which the caller holds, until it is notified or the time has come;
     it may return early: the caller looks again.

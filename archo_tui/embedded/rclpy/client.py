@@ -41,11 +41,11 @@ class Client(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self._use()
         message: Any = request
         future: Future[Any] = Future(executor=self._node.executor)
-        future._when_done(partial(self.remove_pending_request, future))
         with self._lock:
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
+        future._when_done(partial(self._pending_requests.pop, number, None))
         for server in self._node._graph.servers(self._service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
@@ -66,7 +66,7 @@ class Client(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         with self._lock:
             for number, pending in list(self._pending_requests.items()):
                 if pending is future:
-                    del self._pending_requests[number]
+                    self._pending_requests.pop(number, None)  # It may have been answered just now.
 
     @property
     def context(self) -> Context:

@@ -6,11 +6,15 @@ import sys
 from collections.abc import Callable
 from enum import IntEnum
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rcl_interfaces.msg import Log
+from rcl_interfaces import srv
+from rcl_interfaces.msg import Log, LoggerLevel, SetLoggerLevelsResult
 from rclpy import _time_source
 from rclpy.time import Time
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 
 class LoggingSeverity(IntEnum):
@@ -210,3 +214,30 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     """Return the severity of a word such as `WARN`, in any case."""
     return LoggingSeverity[log_severity.upper()]
+
+
+class LoggingService:
+    """The services `~/get_logger_levels` and `~/set_logger_levels`, which a new object offers."""
+
+    def __init__(self, node: Node) -> None:
+        node.create_service(srv.GetLoggerLevels, "~/get_logger_levels", self._get)
+        node.create_service(srv.SetLoggerLevels, "~/set_logger_levels", self._set)
+
+    def _get(self, request: Any, response: Any) -> Any:
+        response.levels = [
+            LoggerLevel(name=name, level=int(get_logger_level(name))) for name in request.names
+        ]
+        return response
+
+    def _set(self, request: Any, response: Any) -> Any:
+        results = []
+        for wanted in request.levels:
+            result = SetLoggerLevelsResult(successful=True)
+            try:
+                set_logger_level(wanted.name, wanted.level)
+            except ValueError:
+                reason = "Failed reason: Invalid logger level."
+                result = SetLoggerLevelsResult(successful=False, reason=reason)
+            results.append(result)
+        response.results = results
+        return response

@@ -29,8 +29,7 @@ from rclpy.duration import Infinite
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
-from rclpy.logging import RcutilsLogger
-from rclpy.logging_service import LoggingService
+from rclpy.logging import LoggingService, RcutilsLogger
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.publisher import Publisher

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
 
 MsgT = TypeVar("MsgT")
-_FOR_EVER = Duration(seconds=-1)
 
 
 class Publisher(Endpoint, Generic[MsgT]):
@@ -82,7 +81,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         """Do nothing: this engine has no liveliness events."""
         self._use()
 
-    def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
+    def wait_for_all_acked(self, timeout: Duration | None = None) -> bool:
         """Return True at once: in one process every message has arrived."""
         self._use()
         return True

@@ -43,7 +43,7 @@ class Future(Generic[T]):
         self._exception: BaseException | None = None
         self._is_retrieved = False
         self._callbacks: list[Callable[[Any], Any]] = []
-        self._hooks: list[Callable[[], None]] = []
+        self._hooks: list[Callable[[], Any]] = []
         self._lock = threading.Lock()
         self._set_executor(executor)
 
@@ -147,7 +147,7 @@ class Future(Generic[T]):
             except Exception as error:
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
-    def _when_done(self, hook: Callable[[], None]) -> bool:
+    def _when_done(self, hook: Callable[[], Any]) -> bool:
         """Call `hook()` in the thread that ends the future, before the callbacks.
 
         Return False, and call nothing, if the future has ended. The same hook is kept once.

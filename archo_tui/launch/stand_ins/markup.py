@@ -367,17 +367,10 @@ _NODE = (
     "ros_arguments=ros_args? cwd? prefix=launch-prefix? on_exit? exec_name? shell? "
     "respawn_max_retries? emulate_tty? sigterm_timeout? sigkill_timeout?"
 )
-_NOT_HERE = {
-    "executable": "ExecuteProcess",
-    "load_composable_node": "LoadComposableNodes",
-    "node_container": "ComposableNodeContainer",
-    "reset": "ResetLaunchConfigurations",
-    "reset_env": "ResetEnvironment",
-    "ros_timer": "ROSTimer",
-    "set_ros_log_dir": "SetROSLogDir",
-    "set_use_sim_time": "SetUseSimTime",
-    "shutdown": "Shutdown",
-}
+_NOT_HERE = (
+    "executable load_composable_node node_container reset reset_env ros_timer set_ros_log_dir "
+    "set_use_sim_time shutdown"
+)
 # By tag, the action, the attributes that are its options, and the tags of sub-elements.
 _ACTIONS: dict[str, tuple[Any, ...]] = {
     "append_env": (actions.AppendEnvironmentVariable, "name value separator? prepend?"),
@@ -395,7 +388,7 @@ _ACTIONS: dict[str, tuple[Any, ...]] = {
     "set_remap": (ros_actions.SetRemap, "src=from dst=to"),
     "timer": (actions.TimerAction, "period cancel_on_shutdown?", "*"),
     "unset_env": (actions.UnsetEnvironmentVariable, "name"),
-    **{tag: (absent_class(name), "") for tag, name in _NOT_HERE.items()},
+    **{tag: (absent_class(tag), "") for tag in _NOT_HERE.split()},
 }
 LOADERS = {
     **dict.fromkeys((".xml", ".launch"), _load(_read_xml)),

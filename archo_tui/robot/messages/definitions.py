@@ -17,7 +17,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from archo_tui.embedded.idl_types import PRIMITIVES
+from archo_tui.embedded.idl import PRIMITIVES
 from archo_tui.embedded.import_hook import InterfaceFinder
 from archo_tui.regular_files import read
 from archo_tui.robot.messages.types import element_of, kinds, load_class, load_nested, ros2msg_type
