@@ -187,6 +187,15 @@ def test_a_substitution_in_a_text_is_what_it_is_in_launch(launcher: Launcher) ->
         assert [note.text for note in plan_of(launcher, logging(text)).notes] == [said], text
 
 
+def test_a_file_is_read_into_a_text(launcher: Launcher) -> None:
+    launcher.write("<robot/>", "robot.urdf")
+    text = logging("$(file-content '$(dirname)/robot.urdf')")
+    assert [note.text for note in plan_of(launcher, text).notes] == ["<robot/>"]
+    assert error_of(launcher, logging("$(file-content no.urdf)")).endswith(
+        "No such file or directory"
+    )
+
+
 def test_a_wrong_substitution_is_quoted_with_what_is_wanted(launcher: Launcher) -> None:
     for text, why in WRONG_TEXTS.items():
         assert error_of(launcher, logging(text)) == f"xml:1: {text}: {why}"

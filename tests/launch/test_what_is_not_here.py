@@ -57,6 +57,34 @@ def test_what_is_not_here_is_one_line_and_the_rest_starts(launcher: Launcher) ->
         assert launcher.commands(plan) == ["my_robot talker"]
 
 
+def test_an_argument_that_is_not_here_leaves_its_include_in_place(launcher: Launcher) -> None:
+    plan = launcher.of_actions(
+        """
+        IncludeLaunchDescription(
+            [FindPackageShare('my_robot'), '/launch/talker.launch.py'],
+            launch_arguments=[('rate', '3'), ('model', Command('xacro a'))],
+        ),
+        """
+    )
+    assert [note.text.partition(" ")[0] for note in plan.notes] == ["Command"]
+    assert launcher.commands(plan) == ["my_robot talker --ros-args -p rate:=3"]
+
+
+def test_a_launch_file_may_ask_which_packages_are_there(launcher: Launcher) -> None:
+    code = """
+        from ament_index_python.resources import has_resource
+        from launch import LaunchDescription
+        from launch_ros.actions import Node
+
+        def generate_launch_description():
+            return LaunchDescription([
+                Node(package=name, executable='talker')
+                for name in ('my_robot', 'camera_ros') if has_resource('packages', name)
+            ])
+    """
+    assert launcher.commands(launcher.plan(launcher.write(code))) == ["my_robot talker"]
+
+
 def test_what_a_condition_leaves_out_is_not_told(launcher: Launcher) -> None:
     plan = launcher.of_actions("ExecuteProcess(cmd=[], condition=IfCondition('false')),")
     assert plan.notes == []
