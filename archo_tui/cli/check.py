@@ -19,8 +19,8 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
-from archo_tui.user_code.check.launch_checks import is_launch_file, launch_checks
-from archo_tui.user_code.check.tap import TapReport
+from archo_tui.user_code.check.launch import check_launch_file, is_launch_file
+from archo_tui.user_code.check.tap import Report
 from archo_tui.user_code.output import NodeOutput
 
 _RADIUS = 0.07  # In m; the chapter's listing declares another value.
@@ -35,20 +35,18 @@ def run(
     interfaces: Sequence[Path],
     print_line: Callable[[str], None],
 ) -> int:
-    """Check launch files, then host the other files and check their nodes; print each outcome."""
-    report = TapReport(print_line)
-    launch_files = [file for file in files if is_launch_file(file)]
-    for file in launch_files:
-        for result in launch_checks(file):
-            report.show(result)
-    node_files = [file for file in files if file not in launch_files]
-    if node_files:
-        _check_nodes(node_files, engine_name, interfaces, report)
+    """Check launch files, then run the other files and check their nodes; print each outcome."""
+    report = Report(print_line)
+    for file in filter(is_launch_file, files):
+        check_launch_file(report, file)
+    programs = [file for file in files if not is_launch_file(file)]
+    if programs:
+        _check_programs(programs, engine_name, interfaces, report)
     return report.end()
 
 
-def _check_nodes(
-    files: Sequence[str], engine_name: str, interfaces: Sequence[Path], report: TapReport
+def _check_programs(
+    files: Sequence[str], engine_name: str, interfaces: Sequence[Path], report: Report
 ) -> None:
     if engine_name == engine.ROS2:  # By default rclpy does not check the values of message fields.
         os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
@@ -69,8 +67,8 @@ def _check_nodes(
         )
         with Session(given) as session:
             # These import rclpy, so the engine must have been chosen.
-            from archo_tui.user_code.check.check_runner import CheckRunner
-            from archo_tui.user_code.check.checks import run_checks
+            from archo_tui.user_code.check.chapter import check_programs
+            from archo_tui.user_code.check.checker import Checker
 
             end = time.monotonic() + _START_TIME[engine_name]
             programs, clock = session.host.programs, session.station.clock
@@ -82,8 +80,9 @@ def _check_nodes(
                 late = program.ask({"ask": "constructor"}).get("constructor", "")
                 if late:
                     raise ArchoError(late)
-            runner = CheckRunner(session.host, session.context, clock, _RADIUS, printed)
-            run_checks(runner, report)
+            checker = Checker(session.host, session.context, clock, _RADIUS, printed)
+            with contextlib.closing(checker):
+                check_programs(report, checker)
 
 
 @contextlib.contextmanager

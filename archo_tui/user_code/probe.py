@@ -14,7 +14,6 @@ from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSReliabilityPolicy
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.messages.types import name_of
@@ -26,6 +25,11 @@ _WAITING_FUNCTIONS = {
     *("spin", "spin_once", "spin_until_future_complete"),
     *("wait_for_server", "wait_for_service", "wait_for_services"),
 }
+# How the types of interfaces, and the names of parameters, begin that every node has.
+_OF_EVERY_NODE = (
+    *("rcl_interfaces/", "type_description_interfaces/"),
+    *("qos_overrides.", "use_sim_time", "start_type_description_service"),
+)
 
 
 class Probe:
@@ -81,44 +85,38 @@ class Probe:
         return f"{where}: {class_name}.__init__ {does}{line}"
 
     def _described(self, node: Node) -> dict[str, Any]:
-        """Return what a node publishes, subscribes to, serves, declares, and its numbers."""
-        name, space = node.get_name(), node.get_namespace()
+        """Return what a node has by name, without what every node has, and its numbers."""
+        actions = get_action_server_names_and_types_by_node(
+            node, node.get_name(), node.get_namespace()
+        )
+        publishers = ((p.topic_name, p.msg_type, None) for p in node.publishers)
+        subscriptions = ((s.topic_name, s.msg_type, s.callback) for s in node.subscriptions)
+        services = ((s.service_name, s.srv_type, s.callback) for s in node.services)
         return {
             "name": node.get_fully_qualified_name(),
-            "publishers": {
-                p.topic_name.lstrip("/"): {
-                    "type": name_of(p.msg_type),
-                    "is_best_effort": p.qos_profile.reliability == QoSReliabilityPolicy.BEST_EFFORT,
-                }
-                for p in node.publishers
-            },
-            "subscriptions": {
-                s.topic_name.lstrip("/"): {
-                    "type": name_of(s.msg_type),
-                    "place": self._place_of(s.callback),
-                }
-                for s in node.subscriptions
-            },
-            "services": {
-                s.service_name.lstrip("/"): {
-                    "type": name_of(s.srv_type),
-                    "place": self._place_of(s.callback),
-                }
-                for s in node.services
-            },
-            "actions": {
-                action: types[0]
-                for action, types in get_action_server_names_and_types_by_node(node, name, space)
-            },
+            "publishers": self._interfaces(publishers),
+            "subscriptions": self._interfaces(subscriptions),
+            "services": self._interfaces(services),
+            "actions": {name: {"type": types[0]} for name, types in actions},
             "parameters": {
-                parameter: _plain(node.get_parameter_or(parameter).value)
-                for parameter in node.list_parameters([], 0).names
+                name: _plain(node.get_parameter_or(name).value)
+                for name in node.list_parameters([], 0).names
+                if not name.startswith(_OF_EVERY_NODE)
             },
             "numbers": {
                 attribute: value
                 for attribute, value in vars(node).items()
                 if isinstance(value, (int, float)) and not isinstance(value, bool)
             },
+        }
+
+    def _interfaces(self, found: Iterable[tuple[str, Any, Any]]) -> dict[str, dict[str, str]]:
+        """Return the type of each name, and the place of its callback, if it has one."""
+        typed = ((name, name_of(kind), callback) for name, kind, callback in found)
+        return {
+            name: {"type": kind, "place": self._place_of(callback)}
+            for name, kind, callback in typed
+            if "/_action/" not in name and not kind.startswith(_OF_EVERY_NODE)
         }
 
     def _place_of(self, callback: Any) -> str:

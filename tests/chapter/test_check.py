@@ -10,6 +10,7 @@ ends in `# here`. What is not named is skipped, but for the last check, which pa
 from __future__ import annotations
 
 import re
+import subprocess
 import sys
 import threading
 import time
@@ -203,6 +204,21 @@ def test_a_reset_of_what_nobody_can_see_is_only_an_answer(
     assert "ok 9 - reset_encoder answers True, 'Encoder reset to zero'" in lines
 
 
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there interfaces are built by colcon")
+def test_a_type_of_the_learners_own_needs_the_fields_of_the_chapters(tmp_path: Path) -> None:
+    package = tmp_path / "own_interfaces"
+    (package / "srv").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>own_interfaces</name></package>")
+    (package / "srv" / "ResetEncoder.srv").write_text("---\nbool success\n")
+    listing = (LISTINGS / "reset_service.py").read_text().replace("archo_interf", "own_interf")
+    (tmp_path / "reset.py").write_text(re.sub(r".*response\.message.*\n", "", listing))
+    command = [sys.executable, "-m", "archo_tui", "check", "reset.py", "--interfaces", "."]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1, done.stderr
+    lacks = "you serve a own_interfaces/srv/ResetEncoder without message; the chapter's is"
+    assert re.search(rf"^# reset.py:\d+: {lacks}", done.stdout, re.MULTILINE), done.stdout
+
+
 def test_a_crash_leaves_the_other_checks_and_a_node_of_the_same_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -227,9 +243,7 @@ def test_an_interrupt_is_said(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(
-        "archo_tui.user_code.check.check_runner.CheckRunner.wait_for_crashes", interrupt
-    )
+    monkeypatch.setattr("archo_tui.user_code.check.checker.Checker.check_crashes", interrupt)
     code = main(["check", "--engine", chosen.ENGINE, str(LISTINGS / "motor_parameters.py")])
     said = capsys.readouterr()
     assert code == 1
