@@ -10,7 +10,6 @@ import io
 import os
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -68,12 +67,10 @@ def _check_programs(
         with Session(given) as session:
             # These import rclpy, so the engine must have been chosen.
             from archo_tui.user_code.check.chapter import check_programs
-            from archo_tui.user_code.check.checker import Checker
+            from archo_tui.user_code.check.checker import Checker, wait_for_spins
 
-            end = time.monotonic() + _START_TIME[engine_name]
             programs, clock = session.host.programs, session.station.clock
-            while any(not (p.is_over or p.has_spun) for p in programs) and time.monotonic() < end:
-                time.sleep(0.02)
+            wait_for_spins(programs, _START_TIME[engine_name])
             for program in programs:
                 if program.state.life is Life.CRASHED and not program.has_spun:
                     raise ArchoError(program.crash)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import linecache
 import re
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -28,7 +29,8 @@ from archo_tui.user_code.program import HostedProgram
 from archo_tui.user_code.source import Source
 
 ANSWER = 3.0  # Seconds in which an answer or a log line must arrive.
-_RESTART = 10.0  # Seconds in which a program that runs again must have made its nodes.
+_RESTART = 10.0  # Seconds in which the nodes of a program that runs again must spin.
+_POLL = 0.02  # Seconds between two looks whether they do.
 _MIN_RUN = 1.5  # Seconds, so that a timer of 1 s fires once.
 _SPIN_TIME = 0.05  # Seconds of one spin of the checker's executor.
 _WAKE_TIME = 2.0  # Seconds in which an executor that was woken takes its turn, and a process ends.
@@ -130,12 +132,12 @@ class Checker:
         return [hosted for hosted in self._host.programs if hosted.state.life is Life.CRASHED]
 
     def _restart_crashed(self) -> None:
-        for hosted in self._crashed():
+        crashed = self._crashed()
+        for hosted in crashed:
             self._crashes.append(hosted.crash)
             self._host.start_again(hosted)
-            for again in self._host.programs:
-                if again.file is hosted.file:
-                    again.wait(_RESTART)
+        if crashed:
+            wait_for_spins(self._host.programs, _RESTART)
 
     def _ask_nodes(self, program: HostedProgram) -> list[dict[str, Any]]:
         """Return what the program's nodes have; ask again while one is just made, ANSWER seconds.
@@ -269,6 +271,13 @@ class Checker:
                 crashes += [*self._tracebacks(number)][:1]
         if crashes:
             raise Failed("\n".join(dict.fromkeys(crashes)))
+
+
+def wait_for_spins(programs: Sequence[HostedProgram], seconds: float) -> None:
+    """Wait until the nodes of each program spin, and so are complete, or it is over."""
+    end = time.monotonic() + seconds
+    while any(not (p.is_over or p.has_spun) for p in programs) and time.monotonic() < end:
+        time.sleep(_POLL)
 
 
 def _is_meant_as(name: str, wanted: str) -> bool:
