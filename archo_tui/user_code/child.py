@@ -81,8 +81,6 @@ class ProgramChild(HostedProgram):
         for printer in printers:
             printer.join(_LAST_OUTPUT)  # What left its group may hold the output open for ever.
         self._names.clear()
-        if code < 0:
-            end = {"error": f"{self.file}: ended by {signal.Signals(-code).name}"}
         return ProgramEnd(code, end.get("error", ""), end.get("traceback", ""))
 
     def _take(self, report: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ import threading
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from signal import Signals
 from typing import Any, NamedTuple
 
 from archo_tui.errors import UserFileError, in_one_line
@@ -187,7 +188,8 @@ class HostedProgram(HostedThread):
         elif end.code == 0 and not self.blocker:
             self.state = done._replace(life=Life.ENDED)
         else:
-            error = self.blocker or end.error or f"exit code {end.code}"
+            by = f"ended by {Signals(-end.code).name}" if end.code < 0 else ""
+            error = self.blocker or by or end.error or f"exit code {end.code}"
             self.crash = error if error == end.error else f"{self.file}: {error}"
             error = self.file.without_name(self.crash)
             self.state = done._replace(life=Life.CRASHED, error=error, traceback=end.traceback)

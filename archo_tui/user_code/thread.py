@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import signal
 import sys
 import threading
 import time
@@ -46,13 +48,14 @@ _OWN_END = 0.2  # Seconds in which its threads end by themselves once its contex
 class _Process(_process.Process):
     """The rclpy state of one program, as if it were a process, with its nodes and threads."""
 
-    def __init__(self, hosted: HostedProgram) -> None:
+    def __init__(self, hosted: ProgramThread) -> None:
         program = hosted.program
         super().__init__(program.domain_id)
         self.arguments = [str(program.file.path), *program.arguments]
         if program.sees_ros_args:
             self.arguments += program.ros_args
-        self.file, self._hosted = program.file, hosted
+        self.file, self.hosted = program.file, hosted
+        self.exit_code: int | None = None  # That of `exit`.
         self.main_thread = threading.current_thread()
         self.main: ModuleType | None = None
         self.nodes: list[weakref.ref[Node]] = []
@@ -69,21 +72,21 @@ class _Process(_process.Process):
         self.main = module
 
     def begin_context(self, args: Sequence[str] | None) -> Sequence[str]:
-        if not self._hosted.begin_context():
+        if not self.hosted.begin_context():
             raise KeyboardInterrupt
-        return with_ros_args(self.arguments if args is None else args, self._hosted.program)
+        return with_ros_args(self.arguments if args is None else args, self.hosted.program)
 
     def add_node(self, node: Node) -> None:
         self.nodes.append(weakref.ref(node))
-        if not self._hosted.accept_node(node.get_fully_qualified_name()):
+        if not self.hosted.accept_node(node.get_fully_qualified_name()):
             raise KeyboardInterrupt
 
     def spin_node(self, node: Node, executor: Executor) -> None:
         """Restore the operator's parameters at the first spin; warn of a spin that takes a node."""
-        name, callbacks = node.get_fully_qualified_name(), self._hosted.callbacks
+        name, callbacks = node.get_fully_qualified_name(), self.hosted.callbacks
         if self._spins.is_first(node):
-            self._hosted.has_spun = self._spins.count >= self.file.class_count
-            callbacks.on_spin(self._hosted, name, node.list_parameters([], 0).names)
+            self.hosted.has_spun = self._spins.count >= self.file.class_count
+            callbacks.on_spin(self.hosted, name, node.list_parameters([], 0).names)
             values = callbacks.operator_values(name)
             if values:
                 callbacks.on_restored(name, *restore(node, values))
@@ -177,14 +180,15 @@ class ProgramThread(HostedProgram):
                 pool.shutdown(wait=False)
             for thread in list(self._process.awaited):
                 thread.join()
-            return end
         except (Interrupted, KeyboardInterrupt):
-            return ProgramEnd(130)  # 128 and the number of SIGINT, as a shell says it.
+            end = ProgramEnd(130)  # 128 and the number of SIGINT, as a shell says it.
         finally:
             self._leave_graph()
             self._end_other_threads()
             if isinstance(sys.stdout, NodeOutput):
                 sys.stdout.end_line()
+        code = self._process.exit_code
+        return end if code is None else ProgramEnd(code)
 
     def _run_main(self) -> ProgramEnd:
         try:
@@ -289,6 +293,12 @@ class ProgramThread(HostedProgram):
             self._leave_graph()
             self._raise_in((*self._other_threads(), self._thread))
 
+    def exit(self, code: int) -> None:
+        """End the program at once, on any of its threads, as `os._exit` does; -N is signal N."""
+        self._process.exit_code = code
+        self.force_end()
+        raise Interrupted
+
 
 def _adopt(thread: threading.Thread, process: _Process) -> None:
     _process.adopt(thread, process)
@@ -298,13 +308,14 @@ def _adopt(thread: threading.Thread, process: _Process) -> None:
 def install() -> Callable[[], None]:
     """Patch Python's threading so that threads and pools belong to the program that makes them.
 
-    In the threads of a program, `__main__` is the program's module, and an exception that ends a
-    thread is printed as one line. The console's end waits for none of these threads. Other threads
-    are as before.
+    In the threads of a program, `__main__` is the program's module, an exception that ends a thread
+    is printed as one line, and what would end the process ends the program. The console's end waits
+    for none of these threads. Other threads are as before.
     """
     start, hook = threading.Thread.start, threading.excepthook
     main, arguments = sys.modules["__main__"], sys.argv
-    make_pool = ThreadPoolExecutor.__init__
+    make_pool, exit_process, kill = ThreadPoolExecutor.__init__, os._exit, os.kill
+    console = os.getpid()
 
     def start_in_program(self: threading.Thread) -> None:
         process = _process.current()
@@ -336,11 +347,28 @@ def install() -> Callable[[], None]:
             name = threading.current_thread().name
             sys.stdout.write(f"exception in thread {name}: {text}\n")
 
+    def exit_program(status: int) -> None:
+        process = _process.current()
+        if isinstance(process, _Process) and os.getpid() == console:  # It may be a fork.
+            process.hosted.exit(status)
+        exit_process(status)
+
+    def kill_from_program(pid: int, number: int) -> None:
+        process = _process.current()
+        if not (isinstance(process, _Process) and pid == console == os.getpid() and number):
+            kill(pid, number)
+        elif number in (signal.SIGINT, signal.SIGTERM):
+            process.hosted.interrupt()
+        else:
+            process.hosted.exit(-number)
+
     def uninstall() -> None:
+        os._exit, os.kill = exit_process, kill
         threading.Thread.start, threading.excepthook = start, hook  # type: ignore[method-assign]
         ThreadPoolExecutor.__init__ = make_pool  # type: ignore[method-assign]
         sys.modules["__main__"], sys.argv = main, arguments
 
+    os._exit, os.kill = exit_program, kill_from_program  # type: ignore[assignment]
     threading.Thread.start = start_in_program  # type: ignore[method-assign]
     threading.excepthook = hook_of_program
     sys.modules["__main__"] = _MainModule(main)

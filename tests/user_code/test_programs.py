@@ -193,6 +193,40 @@ def test_a_program_that_ends_before_its_first_node_ends_alone(
         wait_until(lambda: said() == ["made"])
 
 
+IN_A_THREAD = """
+import os
+import threading
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("{name}")
+threading.Thread(target=os._exit, args=(4,)).start()
+rclpy.spin(node)
+"""
+FORKS = "if not os.fork():\n    os._exit(0)\nos.wait()\nos._exit(6)"
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("import os; os._exit(3)", "exit code 3"),
+        (IN_A_THREAD.format(name="bad"), "exit code 4"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGINT); input()", "exit code 130"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "ended by SIGKILL"),
+        pytest.param(
+            f"import os\n{FORKS}",
+            "exit code 6",
+            marks=pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning"),
+        ),
+    ],
+)
+def test_a_program_that_ends_its_own_process_ends_alone(text: str, error: str) -> None:
+    with running(written("bad.py", text), talker()) as session:
+        wait_until(lambda: life(session, "/bad") is Life.CRASHED)
+        assert states(session)["/bad"].error == error
+        wait_until(lambda: life(session) is Life.UP)
+
+
 def test_a_program_that_is_not_python_is_an_error_at_the_start() -> None:
     error = "^bad.py:1: SyntaxError: invalid syntax, in: def"
     with pytest.raises(ArchoError, match=error), running(written("bad.py", "def")):
