@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gc
 import io
 import os
@@ -35,7 +36,7 @@ from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 from archo_tui.user_code.output import NodeOutput
 from archo_tui.user_code.watch import FileWatcher, Watched
-from archo_tui.user_code.workspace_nodes import found_in_workspaces
+from archo_tui.user_code.workspaces import find_nodes, package_shares
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -49,7 +50,6 @@ if TYPE_CHECKING:
     from archo_tui.robot.state.events import Event
     from archo_tui.user_code.host import Host
     from archo_tui.user_code.launch_file import LaunchFile
-    from archo_tui.user_code.package_shares import PackageShares
     from archo_tui.user_code.program import HostedProgram, Program
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
@@ -66,7 +66,6 @@ class Session:
     host: Host
     box: BlackBox
     _console_recorder: ConsoleRecorder
-    _shares: PackageShares | None = None
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
     restart = Handover()  # What the frontend leaves to the next process.
     _server: Server | None = None
@@ -88,8 +87,9 @@ class Session:
         self._own_files = [] if options.attach else files.default_files()
         self._own_overrides = files.load_files(self._own_files)
         self._user_overrides = files.load_files(options.params_files)
+        self._folders = contextlib.ExitStack()  # That the packages of workspaces have got.
         self._launch_file = self._read_launch_file()
-        self._node_names, self._workspaces = found_in_workspaces(options.node_files)
+        self._node_names, self._workspaces = find_nodes(options.node_files)
         if self._launch_file is not None:
             self._workspaces.append(self._launch_file.workspace)
         interfaces = self._activate()
@@ -112,7 +112,7 @@ class Session:
             if options.handover is not None:
                 self._resume(options.handover)
             self._programs = self._user_programs()
-            self._shares = self._package_shares()
+            self._folders.enter_context(package_shares(self._workspaces))
             if self._programs:  # One may drive before the next has begun.
                 self._count_typed_stop()
                 self._open()
@@ -204,7 +204,9 @@ class Session:
             return None
         from archo_tui.user_code.launch_file import LaunchFile
 
-        return LaunchFile(*self.options.launch)
+        launch_file = LaunchFile(*self.options.launch)
+        self._folders.callback(launch_file.close)
+        return launch_file
 
     def _make_robot(self) -> None:
         """Make the black box, the client's node, and the host, which has no nodes yet."""
@@ -335,14 +337,6 @@ class Session:
             listening=self._listening,
         )
 
-    def _package_shares(self) -> PackageShares | None:
-        """Let nodes find the files of their workspaces' packages; close the result at the end."""
-        if not self._workspaces:
-            return None
-        from archo_tui.user_code.package_shares import PackageShares
-
-        return PackageShares(self._workspaces)
-
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
         from archo_tui.recordings.console import attachments
 
@@ -375,18 +369,12 @@ class Session:
             self.robot.close()
         self.journal.close()
         self._rclpy.shutdown()
-        self._remove_folders()
+        self._folders.close()
         self._release_output()
 
     def _release_output(self) -> None:
         if self._output is not None and sys.stdout is self._output:
             sys.stdout = self._stdout
-
-    def _remove_folders(self) -> None:
-        """Remove the folders that the packages of workspaces have got for this session."""
-        for folder in (self._launch_file, self._shares):
-            if folder is not None:
-                folder.close()
 
     def _record_event(self, event: Event) -> None:
         """Give an event to the recorder and to the journal. Called on the robot's thread."""
@@ -609,7 +597,7 @@ class Session:
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
         self._rclpy.shutdown()
-        self._remove_folders()
+        self._folders.close()
         self._release_output()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.

@@ -43,6 +43,7 @@ def main() -> int:
     at = sys.argv.index("--ros-args")  # The console adds them, after the program's own words.
     reporter = _Reporter(descriptor, requests, Program(file, tuple(sys.argv[at:])))
     sys.argv = sys.argv[3:at]
+    threading.excepthook = lambda args: file.print_thread_error(args.exc_value)
     try:
         file.compile()
         file.run(lambda module: sys.modules.update(__main__=module), lambda: reporter.has_begun)

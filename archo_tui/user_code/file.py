@@ -226,6 +226,12 @@ class ProgramFile:
             return str(error), ""
         return explain(error, self.code, self.source)
 
+    def print_thread_error(self, error: BaseException | None) -> None:
+        """Print the error that ends the present thread, in one line."""
+        if error is not None:
+            name, (text, _) = threading.current_thread().name, self.explain(error)
+            sys.stdout.write(f"exception in thread {name}: {text}\n")
+
     def note_imports(self) -> None:
         """Add the modules of the file's folder that are imported by now to `imported`."""
         self.imported.update(self.own_modules().values())

@@ -393,8 +393,7 @@ class Host:
     def _replace(self, old: HostedProgram) -> HostedProgram | None:
         """Run a saved text, and end the old one once it has begun; None if the old one runs on."""
         if self._has_stop() or self._is_over:
-            old.wait_for_release()
-            self._say_not_begun(old, was_saved=True)
+            self._wait_for_release(old)
             return None
         new = self._program_again(old, is_held=True)
         new.begin()
@@ -407,8 +406,7 @@ class Host:
             return None
         if self._has_stop():  # It came while the new text began.
             new.stop()
-            old.wait_for_release()
-            self._say_not_begun(old, was_saved=True)
+            self._wait_for_release(old)
             return None
         name = old.name.lstrip("/")
         if not old.stop():
@@ -419,11 +417,14 @@ class Host:
         self._hosted[self._hosted.index(old)] = new
         if self._has_stop():  # It came while the old one ended.
             new.stop()
-            new.wait_for_release()
-            self._say_not_begun(new, was_saved=True)
+            self._wait_for_release(new)
             return None
         new.go_on()
         return new
+
+    def _wait_for_release(self, hosted: HostedProgram) -> None:
+        hosted.wait_for_release()
+        self._say_not_begun(hosted, was_saved=True)
 
     def stop(self) -> list[str]:
         """Ask everything to end, and wait END_TIMEOUT; then end programs by force.

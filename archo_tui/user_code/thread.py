@@ -342,10 +342,8 @@ def install() -> Callable[[], None]:
         process = _process.current()
         if not isinstance(process, _Process):
             hook(args)
-        elif args.exc_value is not None and args.exc_type is not Interrupted:  # It has ended.
-            text, _ = process.file.explain(args.exc_value)
-            name = threading.current_thread().name
-            sys.stdout.write(f"exception in thread {name}: {text}\n")
+        elif args.exc_type is not Interrupted:  # Its program has not ended.
+            process.file.print_thread_error(args.exc_value)
 
     def exit_program(status: int) -> None:
         process = _process.current()

@@ -157,6 +157,7 @@ def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
 
 def test_a_main_that_sends_a_goal_sends_it() -> None:
     with running(SHARE / "programs" / "main_sends_a_goal.py", only=False) as session:
+        wait_until(lambda: "/sender" in states(session))
         wait_until(lambda: states(session)["/sender"].life is Life.ENDED)
         wait_until(lambda: any("Moving to shelf 3" in text for text in texts(session)))
 

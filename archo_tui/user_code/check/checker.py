@@ -5,7 +5,7 @@ from __future__ import annotations
 import linecache
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -233,18 +233,11 @@ class Checker:
         return [log for log in self.logs[since:] if logger_node(log.name) in names]
 
     def last_exception(self, since: int) -> str:
-        """Return the last exception among the printed lines, in one line with its place, or "".
+        """Return the last error whose traceback was printed, as `FILE:LINE: TypeError: ...`; or "".
 
-        rclpy prints the traceback of an exception of an execute callback and goes on.
+        rclpy prints that of an execute callback and goes on.
         """
-        return ([*self._tracebacks(since)] or [""])[-1]
-
-    def _tracebacks(self, since: int) -> Iterator[str]:
-        """Yield the error of each printed traceback with a line of the programs' files.
-
-        Each is one line: `FILE:LINE: TypeError: ..., in: x = y + 1`.
-        """
-        where = text = ""
+        found = where = text = ""
         for line in self.printed[since:]:
             frame = _FRAME.match(line)
             if frame is not None:
@@ -253,8 +246,9 @@ class Checker:
                         where = f"{hosted.file.code.display_name(frame[1])}:{frame[2]}"
                         text = linecache.getline(frame[1], int(frame[2])).strip()
             elif where and line[:1].strip():
-                yield f"{where}: {WORDLESS.get(line, line)}, in: {text}"
+                found = f"{where}: {WORDLESS.get(line, line)}, in: {text}"
                 where = ""
+        return found
 
     def check_crashes(self) -> None:
         """Spin until a timer of 1 s has fired; raise Failed with a line for each different crash.
@@ -264,11 +258,8 @@ class Checker:
         self._restart_crashed()
         self.until(self._crashed, self._began + _MIN_RUN - self.now())
         crashes = [*self._crashes, *(hosted.crash for hosted in self._crashed())]
-        for number, line in enumerate(self.printed):
-            if line.startswith(_THREAD_CRASH):
-                crashes.append(line.partition(": ")[2])
-            elif line.startswith("Exception in thread "):
-                crashes += [*self._tracebacks(number)][:1]
+        thread_crashes = [line for line in self.printed if line.startswith(_THREAD_CRASH)]
+        crashes += [line.partition(": ")[2] for line in thread_crashes]
         if crashes:
             raise Failed("\n".join(dict.fromkeys(crashes)))
 
