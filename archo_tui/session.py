@@ -19,7 +19,7 @@ from archo_tui import __version__, engine
 from archo_tui.client.protocol import PROTOCOL
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
-from archo_tui.errors import ArchoError, UserFileError
+from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
@@ -454,12 +454,7 @@ class Session:
         NothingRunsError if all of those have crashed.
         """
         for program in self._programs:
-            try:
-                self.host.add_program(program)
-            except UserFileError as error:
-                if self._launch_file is None:
-                    raise
-                self.host.add_failed(program, error)
+            self.host.add_program(program, may_fail=self._launch_file is not None)
         if self._launch_file is not None and self.host.all_have_crashed:
             from archo_tui.user_code.launch_file import NothingRunsError
 

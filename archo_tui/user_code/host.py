@@ -22,7 +22,7 @@ from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.hosted import KILL_TIMEOUT
 from archo_tui.user_code.own_node import OwnNode
 from archo_tui.user_code.probe import restore
-from archo_tui.user_code.program import Callbacks, HostedProgram, Program
+from archo_tui.user_code.program import Callbacks, HostedProgram, Program, ProgramEnd
 from archo_tui.user_code.usage import Usage
 
 _Hosted = OwnNode | HostedProgram
@@ -138,13 +138,21 @@ class Host:
             for hosted in self.nodes:
                 self._begin(hosted)
 
-    def add_program(self, program: Program) -> None:
+    def add_program(self, program: Program, *, may_fail: bool = False) -> None:
         """Add a program, run it, and wait until it waits for others or is over, START_TIME at most.
 
-        Behind a STOP it is added, and not run.
+        Behind a STOP it is added, and not run. If its text does not compile, raise UserFileError,
+        or add it as crashed if it `may_fail`.
         """
-        program.file.compile()
         hosted = self._make(program, self._callbacks)
+        try:
+            program.file.compile()
+        except UserFileError as error:
+            if not may_fail:
+                raise
+            self._hosted.append(hosted)
+            hosted.record_end(ProgramEnd(1, str(error), error.report))
+            return
         with self._changing:
             self._hosted.append(hosted)
             self._begin(hosted)
@@ -153,17 +161,13 @@ class Host:
         if late:
             self._on_event("INFO", hosted.name.lstrip("/"), late)
 
-    def add_failed(self, program: Program, error: UserFileError) -> None:
-        """Add a program whose text does not compile: it has crashed, which an event says."""
-        hosted = self._make(program, self._callbacks)
-        hosted.record_failure(error)
-        self._hosted.append(hosted)
-        self._on_program_ended(hosted)
-
     @property
     def all_have_crashed(self) -> bool:
         """True if there are programs, and each crashed without a node and is not respawned."""
-        return bool(self.programs) and all(h.has_failed_for_good for h in self.programs)
+        return bool(self.programs) and all(
+            h.state.life is Life.CRASHED and h.program.respawn_delay is None and not h.has_name
+            for h in self.programs
+        )
 
     def _on_program_ended(self, hosted: HostedProgram) -> None:
         if hosted not in self._hosted:  # A new text that failed before the old one made way.

@@ -21,10 +21,7 @@ _OWNER = "owner of output"  # Of a thread's attributes.
 
 
 def share_output(thread: threading.Thread, owner: threading.Thread) -> None:
-    """Let the lines that a thread prints count as those of another thread, its owner.
-
-    They get the owner's name, and count in its limit per period.
-    """
+    """Let the lines that a thread prints count as those of its owner, by name and limit."""
     vars(thread)[_OWNER] = owner
 
 
@@ -37,18 +34,11 @@ def _owner_name() -> str:
 
 @dataclass
 class _Printed:
-    """The output of the threads of one name within the current period.
-
-    Attributes:
-        rest: The text after the last end of a line.
-        since: Monotonic time in seconds at which the period began.
-        lines: The number of lines that were shown.
-        left_out: The number of lines that were not.
-    """
+    """The output of the threads of one name within the current period."""
 
     rest: str = ""  # The line without its end yet.
     since: float = field(default_factory=time.monotonic)
-    lines: int = 0
+    lines: int = 0  # That were shown.
     left_out: int = 0
 
 
@@ -75,11 +65,7 @@ class HarmlessOutput(_Output):
     """A standard error that makes control characters visible, for all threads."""
 
     def write(self, text: str) -> int:
-        """Write text with control characters made visible and tabs expanded; line ends are kept.
-
-        Returns:
-            The number of characters of `text`.
-        """
+        """Write text with control characters made visible and tabs expanded; line ends are kept."""
         self._stream.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
         return len(text)
 
@@ -87,33 +73,18 @@ class HarmlessOutput(_Output):
 class NodeOutput(_Output):
     """A standard output that turns lines of other threads than the main one into events.
 
-    The console itself prints in the main thread only. The source of an event is `NAME stdout`,
-    where NAME is the name, without leading slash, of the thread or of the owner that `share_output`
-    has set: that of its node.
+    The console itself prints in the main thread only. The source of an event is `NAME stdout` by
+    the name of the thread, or of its owner: that of its node.
     """
 
     def __init__(self, stream: TextIO, note: Callable[[str, str, str], None]) -> None:
-        """Create the stream in front of another one.
-
-        Args:
-            stream: Gets the text that the main thread prints.
-            note: Gets level, source and text of each line that another thread prints. It is called
-                in that thread.
-        """
         super().__init__(stream)
         self._note = note
         self._lock = threading.Lock()
         self._printed: dict[str, _Printed] = {}  # By the name of the thread.
 
     def write(self, text: str) -> int:
-        """Write text of the main thread; make an event of each whole line of another thread.
-
-        Of other threads, 50 lines a second are shown, and 10,000 characters of a line; the next
-        line after that second comes with an event that tells how many were left out.
-
-        Returns:
-            The number of characters of `text`.
-        """
+        """Write text of the main thread; note each whole line of another thread, on that thread."""
         if threading.current_thread() is threading.main_thread():
             return self._stream.write(text)
         name = _owner_name()
@@ -124,7 +95,7 @@ class NodeOutput(_Output):
         return len(text)
 
     def end_line(self) -> None:
-        """End the line that the calling thread's program has begun, if any: it has ended."""
+        """End the line that the calling thread's program has begun, if any."""
         name = _owner_name()
         if name in self._printed and self._printed[name].rest:
             self.write("\n")

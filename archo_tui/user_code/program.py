@@ -104,9 +104,9 @@ class HostedProgram(HostedThread):
         self._is_gate_shut = self.callbacks.gate()
         super().begin()
 
-    def wait(self, seconds: float | None = None) -> None:
-        """Wait until the program waits for others or has ended, by default START_TIME at most."""
-        end = time.monotonic() + (START_TIME if seconds is None else seconds)
+    def wait(self) -> None:
+        """Wait until the program waits for others or has ended, START_TIME at most."""
+        end = time.monotonic() + START_TIME
         while not (self.is_over or time.monotonic() > end or self.is_at_rest()):
             time.sleep(_POLL)
 
@@ -134,18 +134,6 @@ class HostedProgram(HostedThread):
         text = self.file.without_name(str(error))
         self.state = self.state._replace(error=text, traceback=error.report)
 
-    def record_failure(self, error: UserFileError) -> None:
-        """Put the error of a text that does not compile into `state`: the program has crashed."""
-        self.report_not_restarted(error)
-        self.state = self.state._replace(life=Life.CRASHED)
-        self.crash = str(error)
-
-    @property
-    def has_failed_for_good(self) -> bool:
-        """True if the program has crashed without a node, and is not respawned."""
-        is_over = self.state.life is Life.CRASHED and self.program.respawn_delay is None
-        return is_over and not self.has_name
-
     def _run(self) -> None:
         """Run the program until it has ended, and again if it respawns and no STOP holds."""
         with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
@@ -159,7 +147,7 @@ class HostedProgram(HostedThread):
                     end = self.run_once()
                 except Exception as error:  # As when no process or descriptor is free.
                     end = ProgramEnd(1, f"{self.file}: {in_one_line(error)}")
-                self._record_end(end)
+                self.record_end(end)
                 delay = self.program.respawn_delay
                 if delay is None or self.was_refused:
                     return
@@ -174,10 +162,10 @@ class HostedProgram(HostedThread):
         if self.callbacks.may_run():
             return True
         self.was_refused = True
-        self._record_end(ProgramEnd(0))
+        self.record_end(ProgramEnd(0))
         return False
 
-    def _record_end(self, end: ProgramEnd) -> None:
+    def record_end(self, end: ProgramEnd) -> None:
         """Set `state` and `crash` from a run's result; call `on_end` unless it was stopped."""
         done = self.state._replace(error="", traceback="")
         if self._stopping.is_set():
