@@ -1,4 +1,4 @@
-"""`archo-tui check`: hosts the user's node files and runs the chapter's checks on them.
+"""`archo-tui check`: runs the user's files and the chapter's checks on them.
 
 This module is imported before the engine is chosen, and so must not import rclpy.
 """

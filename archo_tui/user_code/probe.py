@@ -106,7 +106,7 @@ class Probe:
             "numbers": {
                 attribute: value
                 for attribute, value in vars(node).items()
-                if isinstance(value, (int, float)) and not isinstance(value, bool)
+                if type(value) in (int, float)
             },
         }
 

@@ -154,25 +154,25 @@ class Checker:
         found: list[dict[str, Any]] = answer.get("nodes", [])
         return found
 
-    def nodes_with(self, kind: Kind, wanted: str, but: str = "") -> list[CheckedNode]:
+    def nodes_with(self, what: Kind, wanted: str, but: str = "") -> list[CheckedNode]:
         """Return the nodes that have something of that name, but for nodes called `but`.
 
         Without one, raise Failed if another name was probably meant to be the wanted one, else
         Skipped. ARCHO's own names are never meant to be another.
         """
         found = [node for node in self.nodes() if base_name(node.name) != but]
-        nodes = [node for node in found if wanted in node.has[kind.key]]
+        nodes = [node for node in found if wanted in node.has[what.key]]
         if nodes:
             return nodes
         short = wanted.lstrip("/")
-        names = sorted({name for node in found for name in node.has[kind.key]})
+        names = sorted({name for node in found for name in node.has[what.key]})
         others = [name for name in names if name.lstrip("/") not in _ROBOT_NAMES]
         meant = [name for name in others if _is_meant_as(name, short)]
         if not others:
-            raise Skipped(f"no node {kind.node} {short}")
+            raise Skipped(f"no node {what.node} {short}")
         shown = meant or others
         where = self.line_of_text(found, shown[0])
-        text = f"{where}you {kind.you} {', '.join(shown)}; the chapter's {kind.noun} is {short}"
+        text = f"{where}you {what.you} {', '.join(shown)}; the chapter's {what.noun} is {short}"
         raise Failed(text) if meant else Skipped(text)
 
     def load_type(
