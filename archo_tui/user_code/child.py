@@ -95,17 +95,12 @@ class ProgramChild(HostedProgram):
                 self._names.append(name)
             values = dict(self.callbacks.operator_values(name)) if may_go_on else {}
             self._send(go_on=may_go_on, values=values)
-        elif "spins" in report:
-            self.has_spun = True
-            self.callbacks.on_spin(self, report["spins"], report["declares"])
-        elif "restored" in report:
-            self.callbacks.on_restored(*report["restored"])
-        elif "warning" in report:
-            self.callbacks.on_event("WARN", self.name.lstrip("/"), report["warning"])
         elif "serves" in report:
             self.served = tuple(report["serves"])
         elif "answer" in report:
             self._answers.put(report)
+        else:
+            self.take_report(report)
 
     def _send(self, **request: Any) -> None:
         with contextlib.suppress(OSError, ValueError):  # It has ended by now.

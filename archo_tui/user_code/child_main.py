@@ -71,7 +71,7 @@ class _Reporter:
         from rclpy.executors import Executor
         from rclpy.node import Node
 
-        from archo_tui.user_code.probe import Probe, SpinWatch, restore, served_names
+        from archo_tui.user_code.probe import Probe, SpinWatch, served_names
         from archo_tui.user_code.program import with_ros_args
 
         file = program.file
@@ -80,7 +80,7 @@ class _Reporter:
         self._asking = threading.Lock()
         nodes: list[Any] = []
         values: dict[str, dict[str, Any]] = {}  # That the operator has set, by node.
-        spins = SpinWatch(file.code)
+        spins = SpinWatch(file, lambda name: values.get(name, {}), self.report)
         init_context, make_node, make_service, make_action, add_node = (
             *(Context.init, Node.__init__, Node.create_service),
             *(ActionServer.__init__, Executor.add_node),
@@ -114,13 +114,7 @@ class _Reporter:
             report_services()
 
         def add(this: Executor, node: Node) -> bool:
-            name = node.get_fully_qualified_name()
-            if spins.is_first(node):
-                self.report(spins=name, declares=[*node.list_parameters([], 0).names])
-                if values.get(name):
-                    self.report(restored=[name, *restore(node, values[name])])
-            elif warning := spins.warning(node, this, rclpy.get_global_executor()):
-                self.report(warning=warning)
+            spins.add(node, this, rclpy.get_global_executor())
             return add_node(this, node)
 
         probe = Probe(file.code, lambda: nodes, threading.enumerate)

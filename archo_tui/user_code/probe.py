@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 from archo_tui.errors import in_one_line
 from archo_tui.robot.messages.types import name_of
 from archo_tui.user_code.errors import OwnCode, code_of
+from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.interrupt import frame_of, stack_of
 
 # The functions of rclpy that return only after other nodes have done something.
@@ -150,31 +151,44 @@ def restore(node: Node, values: Mapping[str, Any]) -> tuple[dict[str, Any], dict
 class SpinWatch:
     """The spins of a program's nodes: the first of each, and those that take one away."""
 
-    def __init__(self, code: OwnCode) -> None:
-        self._code = code
+    def __init__(
+        self,
+        file: ProgramFile,
+        operator_values: Callable[[str], Mapping[str, Any]],
+        report: Callable[..., object],
+    ) -> None:
+        self._file, self._operator_values, self._report = file, operator_values, report
         self._spun: WeakSet[Node] = WeakSet()
-        self.count = 0  # Nodes that have spun.
+        self._count = 0  # Nodes that have spun.
         self._taken: WeakSet[Node] = WeakSet()
 
-    def is_first(self, node: Node) -> bool:
-        """Return True once for a node; the spins of its constructor do not count."""
-        if node in self._spun or constructed_class(threading.current_thread()):
-            return False  # It may not have declared its parameters yet.
-        self._spun.add(node)
-        self.count += 1
-        return True
+    def add(self, node: Node, executor: Executor, global_executor: Executor | None) -> None:
+        """Report a node's first spin, after the operator's values were restored; or a mistake.
 
-    def warning(self, node: Node, executor: Executor, global_executor: Executor | None) -> str:
-        """Return the line that takes a node from an executor of the program's own, or ""."""
-        before = node.executor
-        if before is None or before in (executor, global_executor) or node in self._taken:
-            return ""
-        if node not in before.get_nodes() or constructed_class(threading.current_thread()):
-            return ""
-        self._taken.add(node)
-        (where, line), name = self._code.place(extract_stack()), node.get_name()
-        what = f"takes {name} from the executor of main(), which calls nothing of {name}"
-        return f"{where}: {what} any more: pass executor=self.executor{line}"
+        The spins of its constructor do not count: it may not have declared its parameters yet. As
+        `HostedProgram.take_report` has it, the report is `spins` and `restored`, or `warning`.
+        """
+        if constructed_class(threading.current_thread()):
+            return
+        name, before = node.get_fully_qualified_name(), node.executor
+        if node not in self._spun:
+            self._spun.add(node)
+            self._count += 1
+            declared = [*node.list_parameters([], 0).names]
+            self._report(spins=[name, declared], all_spin=self._count >= self._file.class_count)
+            if values := self._operator_values(name):
+                self._report(restored=[name, *restore(node, values)])
+        elif (
+            before is not None
+            and before not in (executor, global_executor)
+            and node not in self._taken
+            and node in before.get_nodes()
+        ):
+            self._taken.add(node)
+            (where, line), short = self._file.code.place(extract_stack()), node.get_name()
+            what = f"takes {short} from the executor of main(), which calls nothing of {short}"
+            text = f"{where}: {what} any more: pass executor=self.executor{line}"
+            self._report(warning=[name, text])
 
 
 def destroy(node: Node) -> None:

@@ -215,6 +215,17 @@ class HostedProgram(HostedThread):
         self._has_node = True
         return True
 
+    def take_report(self, report: Mapping[str, Any]) -> None:
+        """Take a report of the program's `SpinWatch`."""
+        if "spins" in report:
+            self.has_spun = report["all_spin"]
+            self.callbacks.on_spin(self, *report["spins"])
+        elif "restored" in report:
+            self.callbacks.on_restored(*report["restored"])
+        else:
+            name, text = report["warning"]
+            self.callbacks.on_event("WARN", name.lstrip("/"), text)
+
     def _is_behind_stop(self) -> bool:
         """Return True if the first node may not be made: a STOP holds, or came and was released."""
         return not self._has_node and (self._is_gate_shut() or not self.callbacks.may_run())

@@ -27,7 +27,6 @@ from archo_tui.user_code.probe import (
     Probe,
     SpinWatch,
     destroy,
-    restore,
     served_names,
     waits_for_others,
 )
@@ -65,7 +64,9 @@ class _Process(_process.Process):
         # Held while a thread starts another one: until that runs, CPython before 3.12 knows it by
         # its starter's number, and what is raised in the starter ends the new thread unseen.
         self.starting = threading.Lock()
-        self._spins = SpinWatch(self.file.code)
+        self._spins = SpinWatch(
+            self.file, hosted.callbacks.operator_values, lambda **what: hosted.take_report(what)
+        )
 
     def use_as_main(self, module: ModuleType) -> None:
         """Make a module the `__main__` that the threads of this program see."""
@@ -82,16 +83,7 @@ class _Process(_process.Process):
             raise KeyboardInterrupt
 
     def spin_node(self, node: Node, executor: Executor) -> None:
-        """Restore the operator's parameters at the first spin; warn of a spin that takes a node."""
-        name, callbacks = node.get_fully_qualified_name(), self.hosted.callbacks
-        if self._spins.is_first(node):
-            self.hosted.has_spun = self._spins.count >= self.file.class_count
-            callbacks.on_spin(self.hosted, name, node.list_parameters([], 0).names)
-            values = callbacks.operator_values(name)
-            if values:
-                callbacks.on_restored(name, *restore(node, values))
-        elif warning := self._spins.warning(node, executor, self.executor):
-            callbacks.on_event("WARN", name.lstrip("/"), warning)
+        self._spins.add(node, executor, self.executor)
 
     def living_nodes(self) -> list[Node]:
         """Return the program's nodes that are on the graph, the oldest first."""
