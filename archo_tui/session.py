@@ -195,7 +195,7 @@ class Session:
         if folders := [*of_workspaces, *options.interfaces]:
             from archo_tui.user_code import interfaces as own_interfaces
 
-            own, self._mistakes = own_interfaces.find_all(folders, options.engine)
+            own, self._mistakes = own_interfaces.find(folders, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
 

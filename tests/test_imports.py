@@ -28,7 +28,7 @@ from pathlib import Path
 import archo_tui.session
 from archo_tui.user_code import interfaces
 print("archo_tui.launch.workspace" in sys.modules)
-interfaces.find_all([Path("interfaces")], "embedded")
+interfaces.find([Path("interfaces")], "embedded")
 print("archo_tui.launch.setup_script" in sys.modules)
 """
 

@@ -24,7 +24,7 @@ def replay(options: Namespace) -> int:
         except ArchoError as error:  # Without a terminal a replay offers --text.
             raise ArchoError(str(error).replace("--plain", "--text")) from None
     given = [Path(folder) for folder in options.interfaces]
-    own, mistakes = own_interfaces.find_all(given, "embedded")
+    own, mistakes = own_interfaces.find(given, "embedded")
     for line in mistakes:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)

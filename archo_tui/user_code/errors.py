@@ -224,34 +224,22 @@ def _is_method(value: Any) -> bool:
 
 
 def traceback_without(error: BaseException, *engine: ModuleType) -> str:
-    """Return a traceback as text, without the frames of some packages.
-
-    If frames are left out, a last line counts them. An error of the chain keeps its frames if all
-    of them are within these packages.
-    """
-    folders = [Path(module.__file__ or "").parent for module in engine]
+    """Return a traceback as text without the frames of some packages, which a last line counts."""
+    folders = {Path(module.__file__ or "").parent for module in engine}
     report = TracebackException.from_exception(error)
-    left_out = 0
-    for part in _chain(report):
-        kept = [frame for frame in part.stack if not _within(frame.filename, folders)]
-        if kept:
-            left_out += len(part.stack) - len(kept)
-            part.stack = StackSummary.from_list(kept)
+    left_out = _leave_out(report, folders)
     text = "".join(report.format())
     return f"{text}({left_out} frames of the engine are left out)\n" if left_out else text
 
 
-def _chain(report: TracebackException) -> list[TracebackException]:
-    """Return a report, and the reports of the errors that led to it, by `from` or otherwise."""
-    found: list[TracebackException] = []
-    waiting: list[TracebackException | None] = [report]
-    while waiting:
-        part = waiting.pop()
-        if part is not None and part not in found:
-            found.append(part)
-            waiting += [part.__cause__, part.__context__]
-    return found
+def _leave_out(report: TracebackException, folders: set[Path]) -> int:
+    """Take the frames of folders from a report and from those that led to it; return how many.
 
-
-def _within(filename: str, folders: list[Path]) -> bool:
-    return any(folder in Path(filename).parents for folder in folders)
+    A report keeps them if it has no other.
+    """
+    kept = [frame for frame in report.stack if folders.isdisjoint(Path(frame.filename).parents)]
+    count = len(report.stack) - len(kept) if kept else 0
+    if count:
+        report.stack = StackSummary.from_list(kept)
+    causes = (report.__cause__, report.__context__)
+    return count + sum(_leave_out(cause, folders) for cause in causes if cause is not None)

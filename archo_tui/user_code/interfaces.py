@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 from archo_tui import embedded, engine
@@ -22,46 +21,36 @@ class InterfacePackages(NamedTuple):
     warnings: list[str]  # A line for each package with a mistake, which names file and line.
 
 
-def find_all(folders: Sequence[Path], engine_name: str) -> InterfacePackages:
-    """Find the packages in several folders; of one name the last counts. Raises as `find`."""
-    packages: dict[str, Path] = {}
-    warnings: list[str] = []
-    for folder in folders:
-        found = find(folder, engine_name, packages)
-        packages |= found.packages
-        warnings += found.warnings
-    return InterfacePackages(packages, warnings)
+def find(folders: Iterable[Path], engine_name: str) -> InterfacePackages:
+    """Find the packages in folders, of one name the last, and read their interfaces.
 
-
-def find(
-    folder: Path, engine_name: str, others: Mapping[str, Path] = MappingProxyType({})
-) -> InterfacePackages:
-    """Find the packages in a folder, and read their interfaces.
-
-    They may use the types of `others`. A package with a mistake is found, too: importing that
-    interface raises. ArchoError if there is no package without one, or on ROS 2, where packages
-    have to be built.
+    A package with a mistake is found, too: importing that interface raises. ArchoError if a folder
+    has no package without one, or on ROS 2, where packages have to be built.
     """
     packages: dict[str, Path] = {}
-    nameless: list[str] = []
-    for place in _folders(folder):
-        try:
-            packages[_name_of(place)] = place
-        except ArchoError as error:
-            nameless.append(str(error))
-    if packages and engine_name != engine.EMBEDDED:
-        names = " ".join(packages)
-        raise ArchoError(
-            "--interfaces is for the embedded engine: on ROS 2 build them, "
-            f"colcon build --base-paths {folder} --packages-select {names} && "
-            ". install/setup.bash"
-        )
-    wrong = mistakes({**others, **packages}, packages)
-    warnings = [*dict.fromkeys([*nameless, *wrong.values()])]
-    if len(wrong) == len(packages):
-        nothing = f"{folder}: no interface package: a folder with msg/, srv/ or action/"
-        raise ArchoError(warnings[0] if warnings else nothing)
-    return InterfacePackages(packages, warnings)
+    warnings: dict[str, None] = {}
+    for folder in folders:
+        found: dict[str, Path] = {}
+        texts: list[str] = []
+        for place in _folders(folder):
+            try:
+                found[_name_of(place)] = place
+            except ArchoError as error:
+                texts.append(str(error))
+        if found and engine_name != engine.EMBEDDED:
+            raise ArchoError(
+                "--interfaces is for the embedded engine: on ROS 2 build them, "
+                f"colcon build --base-paths {folder} --packages-select {' '.join(found)} && "
+                ". install/setup.bash"
+            )
+        packages |= found
+        wrong = mistakes(packages, found)
+        texts += wrong.values()
+        if len(wrong) == len(found):
+            nothing = f"{folder}: no interface package: a folder with msg/, srv/ or action/"
+            raise ArchoError(texts[0] if texts else nothing)
+        warnings |= dict.fromkeys(texts)
+    return InterfacePackages(packages, list(warnings))
 
 
 def _folders(folder: Path) -> list[Path]:

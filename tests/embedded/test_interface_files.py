@@ -100,7 +100,7 @@ def package(folder: Path, files: Files) -> Path:
 def test_a_package_that_cannot_be_used_is_one_line(tmp_path: Path, what: str) -> None:
     files, said = WRONG[what]
     with pytest.raises(ArchoError) as caught:
-        own_interfaces.find(package(tmp_path, files), "embedded")
+        own_interfaces.find([package(tmp_path, files)], "embedded")
     line = str(caught.value)
     assert said in line
     assert line.startswith(f"{tmp_path}{os.sep}")

@@ -107,20 +107,20 @@ def test_in_plain_a_saved_interface_counts_from_the_next_start_and_that_is_said(
 def test_a_file_that_cannot_be_read_names_its_line(tmp_path: Path) -> None:
     source = package(tmp_path, "floot32 x")
     with pytest.raises(ArchoError, match=r"BatteryStatus\.msg:\d+: .*floot32"):
-        own_interfaces.find(source, "embedded")
+        own_interfaces.find([source], "embedded")
 
 
 def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(ArchoError, match="no interface package"):
-        own_interfaces.find(tmp_path, "embedded")
+        own_interfaces.find([tmp_path], "embedded")
     with pytest.raises(ArchoError, match=r"colcon build .* --packages-select archo_interfaces"):
-        own_interfaces.find(package(tmp_path), "ros2")
+        own_interfaces.find([package(tmp_path)], "ros2")
 
 
 def test_a_second_folder_adds_to_the_first_and_may_use_its_types(tmp_path: Path) -> None:
     things(tmp_path, first_msgs="float32 x", second_msgs="first_msgs/Thing inner")
     folders = [tmp_path / "first_msgs", tmp_path / "second_msgs"]
-    assert [*own_interfaces.find_all(folders, "embedded").packages] == ["first_msgs", "second_msgs"]
+    assert [*own_interfaces.find(folders, "embedded").packages] == ["first_msgs", "second_msgs"]
 
 
 def test_of_several_packages_one_with_a_mistake_is_named_and_the_others_are_used(
@@ -129,19 +129,19 @@ def test_of_several_packages_one_with_a_mistake_is_named_and_the_others_are_used
     things(tmp_path, bad_msgs="floot32 x", good_msgs="float32 x", user_msgs="bad_msgs/Thing inner")
     (tmp_path / "worse_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "worse_msgs" / "package.xml").write_text("<package>\n")
-    packages, warnings = own_interfaces.find(tmp_path, "embedded")
+    packages, warnings = own_interfaces.find([tmp_path], "embedded")
     assert "good_msgs" in packages
     worse, bad = warnings  # user_msgs is not at fault
     assert worse.startswith(f"{tmp_path / 'worse_msgs' / 'package.xml'}:2: not XML")
     assert bad.startswith(f"{tmp_path / 'bad_msgs' / 'msg' / 'Thing.msg'}:1: ")
     with pytest.raises(ArchoError, match=r"Thing\.msg:1: .*floot32"):  # alone it is given by name
-        own_interfaces.find(tmp_path / "bad_msgs", "embedded")
+        own_interfaces.find([tmp_path / "bad_msgs"], "embedded")
 
 
 def test_a_known_mistake_does_not_keep_a_saved_package_from_counting(tmp_path: Path) -> None:
     things(tmp_path, bad_msgs="floot32 x", good_msgs="float32 x")
     said: list[str] = []
-    packages = own_interfaces.find(tmp_path, "embedded").packages
+    packages = own_interfaces.find([tmp_path], "embedded").packages
     files = own_interfaces.OwnInterfaces(packages)
 
     def reload() -> None:
