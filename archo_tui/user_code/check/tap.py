@@ -36,16 +36,19 @@ class Report:
         except Skipped as error:
             why = f" # SKIP {safe(str(error))}"
         except KeyboardInterrupt:
-            self._print_line("Bail out! interrupted")
+            self._print_row("Bail out! interrupted")
             raise
+        self.has_failed |= verdict == "not ok"
+        self.has_checked |= not why
+        self._print_row(f"{verdict} {self._count + 1} - {title}{why}")
+        for line in hint.splitlines():
+            self._print_line(f"# {safe(line)}")
+
+    def _print_row(self, row: str) -> None:
         if not self._count:
             self._print_line("TAP version 13")
         self._count += 1
-        self.has_failed |= verdict == "not ok"
-        self.has_checked |= not why
-        self._print_line(f"{verdict} {self._count} - {title}{why}")
-        for line in hint.splitlines():
-            self._print_line(f"# {safe(line)}")
+        self._print_line(row)
 
     def fail(self, text: str) -> None:
         """Let the checks as a whole fail, for a reason that is none of a row."""
