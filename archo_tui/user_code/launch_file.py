@@ -35,10 +35,8 @@ class NothingRunsError(ArchoError):
 class LaunchFile:
     """A launch file, evaluated once, and a temporary folder with what its packages install.
 
-    Attributes:
-        workspace: The packages of the workspace that the file is in, which it can use.
-        notes: The messages of the file, what it prints, and a note for each part that does not run
-            here; `programs` adds warnings.
+    `notes` has its messages, what it prints, and what of it does not run here; `programs` adds
+    warnings.
     """
 
     def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
@@ -47,7 +45,7 @@ class LaunchFile:
         NothingRunsError if nothing of it runs here.
         """
         self.path, self._arguments = path, arguments
-        self.workspace = Workspace.around(path)
+        self.workspace = Workspace.around(path)  # That it is in, and whose packages it can use.
         self._prefix = tempfile.TemporaryDirectory(prefix="archo-launch-")
         try:
             self._plan = self._evaluated(self._prefix.name)

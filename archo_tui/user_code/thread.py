@@ -96,6 +96,12 @@ class _Process(_process.Process):
         return used | ({self.default_context} if self.default_context is not None else set())
 
 
+def _current() -> _Process | None:
+    """Return the process of the program whose thread this is, or None."""
+    process = _process.current()
+    return process if isinstance(process, _Process) else None
+
+
 class _Arguments(UserList[str]):
     """The stand-in for `sys.argv`: in the threads of a program its own words."""
 
@@ -104,8 +110,8 @@ class _Arguments(UserList[str]):
 
     @property
     def data(self) -> list[str]:  # type: ignore[override]
-        process = _process.current()
-        return process.arguments if isinstance(process, _Process) else self._original
+        process = _current()
+        return process.arguments if process is not None else self._original
 
     def __getitem__(self, index: Any) -> Any:
         return self.data[index]
@@ -126,8 +132,8 @@ class _MainModule(ModuleType):
         object.__setattr__(self, "_original", original)
 
     def __getattribute__(self, name: str) -> Any:
-        process = _process.current()
-        main = process.main if isinstance(process, _Process) else None
+        process = _current()
+        main = process.main if process is not None else None
         return getattr(main or object.__getattribute__(self, "_original"), name)
 
 
@@ -310,8 +316,8 @@ def install() -> Callable[[], None]:
     console = os.getpid()
 
     def start_in_program(self: threading.Thread) -> None:
-        process = _process.current()
-        if not isinstance(process, _Process):
+        process = _current()
+        if process is None:
             start(self)
             return
         _adopt(self, process)
@@ -326,26 +332,24 @@ def install() -> Callable[[], None]:
 
     def make_pool_in_program(self: ThreadPoolExecutor, *args: Any, **options: Any) -> None:
         make_pool(self, *args, **options)
-        process = _process.current()
-        if isinstance(process, _Process):
+        if process := _current():
             process.pools.add(self)
 
     def hook_of_program(args: threading.ExceptHookArgs) -> None:
-        process = _process.current()
-        if not isinstance(process, _Process):
+        process = _current()
+        if process is None:
             hook(args)
         elif args.exc_type is not Interrupted:  # Its program has not ended.
             process.file.print_thread_error(args.exc_value)
 
     def exit_program(status: int) -> None:
-        process = _process.current()
-        if isinstance(process, _Process) and os.getpid() == console:  # It may be a fork.
+        if (process := _current()) and os.getpid() == console:  # It may be a fork.
             process.hosted.exit(status)
         exit_process(status)
 
     def kill_from_program(pid: int, number: int) -> None:
-        process = _process.current()
-        if not (isinstance(process, _Process) and pid == console == os.getpid() and number):
+        process = _current()
+        if process is None or not (pid == console == os.getpid() and number):
             kill(pid, number)
         elif number in (signal.SIGINT, signal.SIGTERM):
             process.hosted.interrupt()
