@@ -159,7 +159,6 @@ class SpinWatch:
     ) -> None:
         self._file, self._operator_values, self._report = file, operator_values, report
         self._spun: WeakSet[Node] = WeakSet()
-        self._count = 0  # Nodes that have spun.
         self._taken: WeakSet[Node] = WeakSet()
 
     def add(self, node: Node, executor: Executor, global_executor: Executor | None) -> None:
@@ -173,9 +172,8 @@ class SpinWatch:
         name, before = node.get_fully_qualified_name(), node.executor
         if node not in self._spun:
             self._spun.add(node)
-            self._count += 1
             declared = [*node.list_parameters([], 0).names]
-            self._report(spins=[name, declared], all_spin=self._count >= self._file.class_count)
+            self._report(spins=[name, declared], all_spin=len(self._spun) >= self._file.class_count)
             if values := self._operator_values(name):
                 self._report(restored=[name, *restore(node, values)])
         elif (

@@ -218,7 +218,7 @@ class HostedProgram(HostedThread):
     def take_report(self, report: Mapping[str, Any]) -> None:
         """Take a report of the program's `SpinWatch`."""
         if "spins" in report:
-            self.has_spun = report["all_spin"]
+            self.has_spun |= report["all_spin"]  # That of another thread may be later.
             self.callbacks.on_spin(self, *report["spins"])
         elif "restored" in report:
             self.callbacks.on_restored(*report["restored"])
