@@ -46,7 +46,7 @@ _ROBOT_NAMES = {
 
 
 class Kind(NamedTuple):
-    """What a node may have by name, and the words for it."""
+    """A kind of thing that a node may have by name, with the words for it."""
 
     key: str  # In the answer of `Probe`.
     you: str  # `you publish`

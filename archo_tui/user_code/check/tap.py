@@ -8,11 +8,11 @@ from archo_tui.safe_text import safe
 
 
 class Failed(Exception):
-    """What is wrong, where, and what to do, in lines."""
+    """The failure of a check: what is wrong, where, and what to do, in lines."""
 
 
 class Skipped(Exception):
-    """Why there is nothing to check."""
+    """The reason why there is nothing to check."""
 
 
 class Report:
