@@ -31,7 +31,7 @@ from archo_tui.terminal.stop_marks import now
 from archo_tui.user_code.output import NodeOutput
 from archo_tui.verbs.goals import GOALS
 from archo_tui.verbs.verb import Values, Verb
-from archo_tui.widgets.notices import Notice, NoticeLine, Notices
+from archo_tui.widgets.notices import DURATIONS, Notice, NoticeLine, with_newest
 
 if TYPE_CHECKING:
     from archo_tui.recordings.replay.player import Player
@@ -63,8 +63,8 @@ class ArchoApp(KeyedApp):
         self.title = snapshot.file.name
         self._player, self._failed_before = player, failed
         self._leaves = False
-        self._notices = Notices()
-        self._notice: Notice | None = None  # The one that is shown.
+        self._notices: list[Notice] = []  # The newest first.
+        self._shown_notices: list[Notice] = []
         self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
         commands: Callable[[Mapping[str, Verb]], Sequence[Command]]
         if player is None:
@@ -136,7 +136,7 @@ class ArchoApp(KeyedApp):
             start_worker(self, partial(in_daemon, form_history.note_sent_goal), COMMANDS)
         super().show_view()
         if self.is_shown:
-            self._show_notice()
+            self._show_notices()
             self.ring(self.view.alarms)
 
     def notify(
@@ -145,34 +145,35 @@ class ArchoApp(KeyedApp):
         *,
         title: str = "",
         severity: SeverityLevel = "information",
-        timeout: float | None = None,  # Seconds; None means Textual's NOTIFICATION_TIMEOUT.
+        timeout: float | None = None,  # Seconds; None means that of its severity.
         markup: bool = True,
+        still_holds: Callable[[], object] = lambda: True,  # A refusal goes with its cause.
     ) -> None:
         """Show a message in the second row, without markup, in place of Textual's box."""
         text = Content.from_markup(message).plain if markup else message
-        self._notices.add(
-            f"{title}: {text}" if title else text, severity, timeout or self.NOTIFICATION_TIMEOUT
-        )
-        self._show_notice()
+        text = " ".join(f"{title}: {text}".split() if title else text.split())
+        until = self.station.clock.monotonic() + (timeout or DURATIONS[severity])
+        self._notices = with_newest(self._notices, Notice(text, severity, until, still_holds))
+        self._show_notices()
 
     def clear_notifications(self) -> None:
-        self._notices.clear()
-        self._show_notice()
+        self._notices = []
+        self._show_notices()
 
-    def action_dismiss_notice(self) -> None:
-        """Remove the notice that is shown, because it was clicked; show the next one that waits."""
-        self._notices.dismiss()
-        self._show_notice()
+    def action_dismiss_notices(self) -> None:
+        """Remove the notices that are shown, because they were clicked."""
+        self.clear_notifications()
 
-    def _show_notice(self) -> None:
-        notice = self._notices.update(self.station.clock.monotonic())
-        before, self._notice = self._notice, None if notice is None else notice._replace(waiting=0)
-        if before not in (None, self._notice):
+    def _show_notices(self) -> None:
+        time, before = self.station.clock.monotonic(), self._shown_notices
+        self._notices = [n for n in self._notices if time < n.until and n.still_holds()]
+        self._shown_notices = [*self._notices]
+        if not {*before} <= {*self._notices}:
             for line in self.screen.query(NoticeLine):
                 self._gone_notice = line.region, now()
         for main in {self.front.main, self.main}:  # The second one may lie below a replay.
             if main.is_mounted:
-                main.show_notice(notice)
+                main.show_notices(self._shown_notices)
 
     def action_command(self, name: str, counted: bool = False) -> None:
         command = self._find_command(name)
@@ -205,7 +206,8 @@ class ArchoApp(KeyedApp):
         reason = command.disabled_reason(desk)
         if reason:
             if not command.always_tried or reason == WATCHING:
-                self.notify(reason, severity="warning", markup=False)
+                holds = partial(command.disabled_reason, desk)
+                self.notify(reason, severity="warning", markup=False, still_holds=holds)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return None
         return command.run(desk)  # At once: the next key may be for what this one focuses.

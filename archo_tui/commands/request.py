@@ -9,7 +9,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.events import Resize
+from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -21,9 +21,7 @@ from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import now
 from archo_tui.text import line_by_line
 from archo_tui.widgets.button import Button
-from archo_tui.widgets.notices import NoticeLine
 
-_AROUND = 5  # Rows other than the question: answers, borders, the keys below.
 # Seconds between an answer and the key before it; keys in a paste come faster.
 MIN_PAUSE = 0.3
 
@@ -50,6 +48,7 @@ class AnswerRequest(Dialog[None]):
         super().__init__()
         self._desk, self._request = desk, request
         self._drawn_at = math.inf  # Seconds on the clock of Textual's messages.
+        self._drawn_size = Size()  # Of the question: a notice leaves it less room.
         self._text = Static(classes="asked")
         self._allow = Button("Allow once", partial(self._give_answer, True), id="allow")
 
@@ -76,10 +75,7 @@ class AnswerRequest(Dialog[None]):
         """Restart the time for reading, since the dialog is in front, at first or again."""
         self._restart_reading()
 
-    def on_resize(self, event: Resize) -> None:
-        """Limit the height of the request, so that the answers stay in view, and read anew."""
-        box = self.query_one(VerticalScroll)
-        box.styles.max_height = max(event.size.height - _AROUND, 1)
+    def on_resize(self) -> None:
         self._restart_reading()
 
     def _restart_reading(self) -> None:
@@ -88,13 +84,11 @@ class AnswerRequest(Dialog[None]):
         self.call_after_refresh(self._set_drawn)
 
     def _set_drawn(self) -> None:
-        if not self._is_covered:
-            self._drawn_at = now()
+        self._drawn_at, self._drawn_size = now(), self._size_of_question
 
     @property
-    def _is_covered(self) -> bool:
-        notice, question = self.query_one(NoticeLine), self.query_one(VerticalScroll)
-        return notice.display and notice.region.overlaps(question.region)
+    def _size_of_question(self) -> Size:
+        return self.query_one(VerticalScroll).size
 
     def _is_end_visible(self, widget: Widget) -> bool:
         geometry = self.find_widget(widget)
@@ -112,7 +106,7 @@ class AnswerRequest(Dialog[None]):
             self.dismiss()
         elif is_waiting:
             self._show_request(view)
-            if self._desk.live.is_stuck or math.isinf(self._drawn_at):
+            if self._desk.live.is_stuck or self._size_of_question != self._drawn_size:
                 self._restart_reading()
 
     def _show_request(self, view: View) -> None:
@@ -130,11 +124,8 @@ class AnswerRequest(Dialog[None]):
 
     def _give_answer(self, is_allowed: bool) -> None:
         """Close the dialog and pass the answer on, or tell why the answer does not count yet."""
-        if self._is_covered:
-            self._drawn_at = math.inf
-            text = "Wait until this message has gone: it hides a part of the request."
-            self.notify(text, severity="warning", markup=False)
-            return
+        if self._size_of_question != self._drawn_size:
+            self._restart_reading()
         typed = self._desk.live.input
         is_early = (
             typed is None or typed.at - self._drawn_at < READING_TIME or typed.pause < MIN_PAUSE

@@ -29,17 +29,21 @@ def main_screen(app: App[Any]) -> MainScreen | None:
 
 
 class DialogHead(Vertical):
-    """The lines at the top of a dialog: copies of the main screen's, not dimmed."""
+    """The lines at the top of a dialog: copies of the main screen's, not dimmed, and the notices.
 
-    def __init__(self, notice_line: NoticeLine) -> None:
+    Notices take the place of a banner that is not needed, or move the dialog: they cover nothing.
+    """
+
+    def __init__(self) -> None:
         super().__init__(classes="above")
-        self._notice_line = notice_line
+        self._notice_line = NoticeLine()
         self._main: MainScreen | None = None
 
     def compose(self) -> ComposeResult:
         self._main = main_screen(self.app)
         for _ in self._main.head if self._main is not None else ():
             yield Line()
+        yield self._notice_line
 
     def on_mount(self) -> None:
         if self._main is not None:
@@ -57,12 +61,15 @@ class DialogHead(Vertical):
         return len(self._main.head) if self._main is not None and has_room else 0
 
     def _show(self) -> None:
-        self.display = self.rows > 0
-        if self._main is not None:
-            for line, text in zip(self.query(Line), self._main.head, strict=False):
-                line.show(text)
-            row = self._main.notice_row if self.display else 0
-            self._notice_line.show(self._main.notice, row, self._main.size.width)
+        main = self._main
+        if main is None:
+            return
+        shown = self.rows - (bool(main.notices) and not main.is_banner_needed)
+        for number, (line, text) in enumerate(zip(self.query(Line), main.head, strict=False)):
+            line.display = number < shown
+            line.show(text)
+        self._notice_line.show(main.notices, main.size.width)
+        self.display = bool(self.rows or main.notices)
 
 
 class DialogFooter(Line):
@@ -89,12 +96,10 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     def compose(self) -> ComposeResult:
         main = main_screen(self.app)
         self.set_class(main is not None and main.is_replay, "-over-replay")
-        notice_line = NoticeLine()
-        self.head = DialogHead(notice_line)
+        self.head = DialogHead()
         yield self.head
         yield from self.body()
         yield DialogFooter()
-        yield notice_line
 
     def on_descendant_focus(self) -> None:
         """Highlight the button that enter presses, while a field has the focus."""

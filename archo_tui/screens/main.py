@@ -127,8 +127,8 @@ class MainScreen(Base[None]):
         self._footer_content: object = None  # From what the footer was drawn.
         self.everywhere_keys = Content("")  # The footer's, of the keys that work in dialogs, too.
         self.head: list[Content] = []  # The lines at the top, as shown last.
-        self.notice: Notice | None = None  # Over the last of these lines, or below them.
-        # Of open dialogs: called whenever lines or notice are shown.
+        self.notices: Sequence[Notice] = ()  # Over the last of these lines, or below them.
+        # Of open dialogs: called whenever lines or notices are shown.
         self.on_head: list[Callable[[], None]] = []
         self._notice_line = NoticeLine()
         self._is_laid_out = self._is_filled = False
@@ -424,20 +424,24 @@ class MainScreen(Base[None]):
     def show_head(self, lines: list[Content]) -> None:
         """Keep new lines, the banner last, for the dialogs over this screen; show them there."""
         self.head = lines
-        self.show_notice(self.notice)
+        self.show_notices(self.notices)
 
-    def show_notice(self, notice: Notice | None) -> None:
-        """Show a notice here and in the dialogs over this screen; None shows what lies beneath."""
-        self.notice = notice
-        self._notice_line.show(notice, self.notice_row, self.size.width)
+    def show_notices(self, notices: Sequence[Notice]) -> None:
+        """Show notices here, but not over the STOP button, and in the dialogs over this screen."""
+        self.notices = notices
+        rows = self._notice_line.show(notices, self.size.width)
+        row = max(len(self.head) - 1, 0) + self.is_banner_needed
+        stop = self.query_one("#stop").region.intersection(self.panels_region)
+        if stop and row < stop.bottom and stop.y < row + rows:
+            row = stop.bottom
+        self._notice_line.styles.offset = 0, row
         for show in self.on_head:
             show()
 
     @property
-    def notice_row(self) -> int:
-        """The row of the screen for a notice: the banner's, or the next one if that is needed."""
-        is_needed = self._view is not None and bars.is_banner_needed(self._view)
-        return max(len(self.head) - 1, 0) + is_needed
+    def is_banner_needed(self) -> bool:
+        """True if the last line of the head tells of an alarm or a request."""
+        return self._view is not None and bars.is_banner_needed(self._view)
 
     def _show_hints(self, view: ScreenState, commands: list[FooterKey], header: Content) -> None:
         """Show banner and footer, whose keys are others in a field."""

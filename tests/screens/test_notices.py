@@ -1,6 +1,8 @@
-"""Notices on the screen: one line below the header, over everything, that hides no alarm."""
+"""Notices on the screen: at most three rows below the header, over no alarm, STOP or question."""
 
 from __future__ import annotations
+
+import pytest
 
 from archo_tui.keyed_app import HELD
 from archo_tui.widgets.notices import NoticeLine
@@ -12,14 +14,34 @@ def row_of(op: Console, text: str) -> int:
     return next(row for row, line in enumerate(op.text.splitlines()) if text in line)
 
 
-async def test_a_refusal_is_in_the_second_row_for_its_time() -> None:
+async def test_a_refusal_is_in_the_second_row_for_8_s() -> None:
     async with console(*FAST) as op:
-        op.app.NOTIFICATION_TIMEOUT = 5  # type: ignore[misc]
         before = row_of(op, "1 Battery")
+        since = seconds()
         await op.press("u")
         assert "▲ nothing to undo" in op.text.splitlines()[1]
         assert row_of(op, "1 Battery") == before
         await op.until(lambda: "nothing to undo" not in op.text)
+        assert 8 <= seconds() - since < 10
+
+
+async def test_a_refusal_goes_when_its_cause_ends() -> None:
+    async with console(*FAST) as op:
+        op.app.action_command("release")
+        await op.settle()
+        assert row_of(op, "not stopped") == 1
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.until(lambda: "not stopped" not in op.text)
+
+
+async def test_an_error_stays_longer_than_a_refusal() -> None:
+    async with console(*FAST) as op:
+        op.app.notify("it failed", severity="error")
+        await op.press("u")
+        assert (row_of(op, "nothing to undo"), row_of(op, "it failed")) == (1, 2)
+        await op.until(lambda: "nothing to undo" not in op.text)
+        assert row_of(op, "it failed") == 1
 
 
 async def test_a_notice_makes_room_for_an_alarm() -> None:
@@ -33,17 +55,39 @@ async def test_a_notice_makes_room_for_an_alarm() -> None:
         assert row_of(op, "nothing to undo") == 2
 
 
-async def test_a_notice_is_shown_over_dialogs_that_are_open_and_that_are_opened() -> None:
+async def test_notices_are_above_dialogs_that_are_open_and_that_are_opened() -> None:
     async with console(*FAST) as op:
         await op.press("u", "ctrl+p")
         assert row_of(op, "nothing to undo") == 1
         op.app.show_message("something else")
-        op.app.show_message("and this")
         await op.settle()
-        assert "▲ nothing to undo" in op.text.splitlines()[1]
-        assert op.text.splitlines()[1].endswith("+2 ")
+        assert (row_of(op, "something else"), row_of(op, "nothing to undo")) == (1, 2)
         await op.pilot.resize_terminal(50, 15)
-        await op.until(lambda: row_of(op, "nothing to undo") == 0)
+        await op.until(lambda: row_of(op, "something else") == 0)
+
+
+@pytest.mark.parametrize("size", [(40, 10), (50, 15), (80, 24)])
+async def test_a_notice_covers_nothing_of_a_question(size: tuple[int, int]) -> None:
+    async with console(*FAST, size=size) as op:
+        await op.press("ctrl+x")
+        await op.until(lambda: op.app.view.snapshot.is_stopped)
+        await op.press("R")
+        asked = [row.strip("┃ ") for row in op.text.splitlines() if "┃" in row and row.strip("┃ ")]
+        op.app.show_message("something to read " * 12)
+        await op.settle()
+        rows = [row.strip("┃ ") for row in op.text.splitlines()]
+        assert [row for row in rows if row in asked] == asked
+        assert "· something to read" in op.text
+
+
+async def test_a_notice_is_not_over_the_stop_button() -> None:
+    async with console(*FAST, size=(40, 10)) as op:
+        await op.press("2")
+        op.app.show_message("something to read " * 12)
+        await op.settle()
+        button = op.app.query_one("#stop").region
+        assert "STOP" in op.text.splitlines()[button.y]
+        assert "something to read" in op.text
 
 
 async def test_the_stop_button_is_pressed_through_a_notice() -> None:
@@ -76,14 +120,3 @@ async def test_a_double_click_on_a_notice_does_nothing_to_what_lies_below() -> N
         op.app._gone_notice = region, since - HELD
         click(op.app, column, 1)
         await op.until(lambda: op.app.view.snapshot.battery.charging)
-
-
-async def test_a_double_click_closes_one_of_two_notices() -> None:
-    async with console(*FAST) as op:
-        op.app.show_message("read this first")
-        op.app.show_message("and this")
-        await op.settle()
-        click(op.app, 5, 1)
-        click(op.app, 5, 1)
-        await op.until("read this first")
-        assert "and this" not in op.text
