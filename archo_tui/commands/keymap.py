@@ -11,7 +11,7 @@ from textual.keys import Keys, format_key
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest
-from archo_tui.terminal.keys import key_name
+from archo_tui.terminal.keyboard import key_name
 from archo_tui.yaml_text import bounded_yaml
 
 _CHOOSE_ANOTHER = "choose another"

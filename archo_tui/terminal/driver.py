@@ -38,7 +38,9 @@ _STUCK_AFTER = 0.5  # Seconds of one write after which the terminal counts as st
 _STOP_TIMEOUT = 0.5  # Seconds that the end waits for a terminal that does not read.
 _MAX_READ = 64 * 1024  # Bytes, or some thousand mouse moves.
 _POLL, _POLL_FOR_ESCAPE = 0.1, 0.03  # Seconds; shorter while an escape may be a key.
-_ALTERNATE_KEYS = "\x1b[=4;2u"  # A flag of kitty's protocol that Textual does not set.
+# Of kitty's protocol, in place of Textual's flags: unambiguous keys, and alternate ones, which tell
+# ctrl+x under any layout. Text comes as text.
+_ALTERNATE_KEYS = "\x1b[<u\x1b[>5u"
 
 
 class DriverApp(StopKeyOwner, Protocol):

@@ -9,8 +9,7 @@ import pytest
 from textual import events
 from textual.message import Message
 
-from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.sequences import STRING_LIMIT
+from archo_tui.terminal.keyboard import STRING_LIMIT, Keyboard
 from tests.support.typed import LONG, Typed, typed
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"
@@ -313,20 +312,13 @@ def test_the_base_layout_tells_where_the_alphabet_is_unknown() -> None:
 @pytest.mark.parametrize(
     ("sent", "key", "text"),
     [
-        ("\x1b[1095::120;;1095u", "ч", "ч"),
-        ("\x1b[97;;97u", "a", "a"),
-        ("\x1b[97:65;2;65u", "A", "A"),
-        ("\x1b[97u", "a", "a"),  # a terminal that does not tell the text
+        ("\x1b[97u", "a", "a"),
+        ("\x1b[1095::120u", "ч", "ч"),
         ("\x1b[97:65;2u", "A", "A"),
-        ("\x1b[47:63;2;63u", "question_mark", "?"),
-        ("\x1b[113;3;64u", "at", "@"),  # option+q on a Mac
-        ("\x1b[32;2;32u", "shift+space", " "),
-        ("\x1b[57400;;49u", "1", "1"),
-        ("\x1b[114;65;82u", "r", "R"),  # caps lock
-        ("\x1b[114;66;114u", "r", "r"),  # and shift
-        ("\x1b[114;66;82u", "R", "R"),  # on a Mac
-        ("\x1b[49;65;49u", "1", "1"),
-        ("\x1b[114;129;114u", "r", "r"),  # num lock
+        ("\x1b[47:63;2u", "question_mark", "?"),
+        ("\x1b[32;2u", "space", " "),
+        ("\x1b[57400u", "1", "1"),
+        ("\x1b[114;129u", "r", "r"),  # num lock
         ("\x1b[27;2;65~", "A", "A"),
     ],
 )

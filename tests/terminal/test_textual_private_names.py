@@ -16,8 +16,6 @@ from functools import cache
 from pathlib import Path
 
 import textual
-from textual import _ansi_sequences, _keyboard_protocol
-from textual.keys import Keys
 
 ROOT = Path(__file__).parent.parent.parent
 TEXTUAL = Path(textual.__file__).parent
@@ -40,9 +38,7 @@ KNOWN = {
     "_return_code _styles_cache",
     "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
     "_sigcont_application _sigtstp_application _writer_thread",
-    "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
-    "terminal/keys.py": "_ansi_sequences _keyboard_protocol",
-    "terminal/sequences.py": "_ansi_sequences",
+    "terminal/keyboard.py": "_xterm_parser",
     "terminal/stop_marks.py": "_prevent",
     "widgets/field.py": "_forward_event",
     "widgets/rows.py": "_refresh_scrollbars",
@@ -141,11 +137,3 @@ def found_in(module: str) -> str:
 def test_its_private_names_that_the_console_uses_are_these_and_still_there() -> None:
     found = {module.removeprefix("archo_tui/"): found_in(module) for module in MODULES}
     assert {module: names for module, names in found.items() if names} == KNOWN
-
-
-def test_the_tables_of_what_terminals_send_are_there() -> None:
-    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # terminal/keys.py and others
-    assert table["\x18"] == (Keys.ControlX,)
-    assert table["\x1bOp"] == "0"
-    assert _keyboard_protocol.FUNCTIONAL_KEYS["27u"] == "escape"  # terminal/keys.py
-    assert "left_shift" in _keyboard_protocol.MODIFIER_FUNCTIONAL_KEYS
