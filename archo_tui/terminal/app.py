@@ -10,8 +10,9 @@ import threading
 import traceback
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from rich.console import RenderableType
 from rich.segment import Segment
 from textual import events
 from textual._context import message_hook
@@ -44,6 +45,9 @@ from archo_tui.terminal.themes import (
     remember_theme,
     to_grey,
 )
+
+if TYPE_CHECKING:
+    from archo_tui.terminal.driver import SteadyDriver
 
 COMMANDS = "commands"  # The group of workers for which the end waits.
 _SETTLE_TIME = 1.0  # Seconds in which the first screen is complete.
@@ -104,8 +108,10 @@ class TerminalApp(App[None]):
         self.station = station
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
+        self.terminal: SteadyDriver | None = None  # Not on Windows, nor in a test.
         self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
         self.is_followed = False  # After a crash another screen reads what is typed meanwhile.
+        self._is_ending = False
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
@@ -213,9 +219,10 @@ class TerminalApp(App[None]):
     def ring(self, alarms: Iterable[Alarm]) -> None:
         """Ring the bell and notify the desktop of new alarms of high priority, unless quiet."""
         news = self.station.bell.take_new(alarms)
-        if news and not self.station.quiet and self._driver is not None:
+        if news and not self.station.quiet:
             self.bell()
-            self._driver.write("".join(desktop_notification(alarm.text) for alarm in news))
+            if self.terminal is not None:
+                self.terminal.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
         """Draw the whole screen again, since the terminal may show something else."""
@@ -226,7 +233,7 @@ class TerminalApp(App[None]):
     @property
     def is_stuck(self) -> bool:
         """True while the terminal does not show what was drawn; False if nobody can tell."""
-        return getattr(self._driver, "is_stuck", False)
+        return self.terminal is not None and self.terminal.is_stuck
 
     def on_paste_stalled(self) -> None:
         text = "The paste has not ended: what you type is added to it. Press escape to end it."
@@ -256,9 +263,14 @@ class TerminalApp(App[None]):
 
     def keep_keys(self) -> None:
         """Leave the terminal raw at the end, and what is typed from now on to who follows."""
-        keep_keys = getattr(self._driver, "keep_keys", None)  # Not Windows', or a test's.
-        if keep_keys is not None:
-            self.settings_before = keep_keys() or self.settings_before
+        if self.terminal is not None:
+            self.settings_before = self.terminal.keep_keys() or self.settings_before
+
+    def exit(
+        self, result: None = None, return_code: int = 0, message: RenderableType | None = None
+    ) -> None:
+        self._is_ending = True
+        super().exit(result, return_code, message)
 
     def end(self, code: int) -> None:
         self.exit(return_code=code)
@@ -277,11 +289,10 @@ class TerminalApp(App[None]):
         if self.is_headless:
             super()._handle_exception(error)  # Makes the test fail.
             return
-        if self._exit:  # Errors while the screen is taken down do not matter.
+        if self._is_ending:  # Errors while the screen is taken down do not matter.
             return
         if not self.failure:
             self.failure = "".join(traceback.format_exception(error))
             if self.is_followed:
                 self.keep_keys()  # A STOP that is typed before the next screen comes is for that.
-        self._return_code = 1
-        self._close_messages_no_wait()
+        self.exit(return_code=1)

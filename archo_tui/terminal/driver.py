@@ -9,6 +9,7 @@ Tested against the pinned version in tests/terminal/test_terminal.py.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import selectors
@@ -20,7 +21,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 from textual import constants
 from textual.drivers.linux_driver import LinuxDriver
@@ -40,6 +41,7 @@ _MAX_READ = 64 * 1024  # Bytes, or some thousand mouse moves.
 _POLL, _POLL_FOR_ESCAPE = 0.1, 0.03  # Seconds; shorter while an escape may be a key.
 # Of kitty's protocol, in place of Textual's flags: unambiguous keys, and alternate ones, which tell
 # ctrl+x under any layout. Text comes as text.
+_NO_MOUSE = "\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l"
 _ALTERNATE_KEYS = "\x1b[<u\x1b[>5u"
 
 
@@ -48,6 +50,7 @@ class DriverApp(StopKeyOwner, Protocol):
 
     stop_key: str  # Textual's name of the key of STOP.
     settings_before: Sequence[Any] | None  # Of the terminal before the first start; None: as now.
+    terminal: SteadyDriver | None  # Set by the driver.
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone for good."""
@@ -168,13 +171,17 @@ class TerminalWriter(threading.Thread):
 class SteadyDriver(LinuxDriver):
     """A driver that never blocks the event loop, and ends the app when the terminal is gone."""
 
-    def __init__(self, *args: Any, **options: Any) -> None:
+    def __init__(self, app: Any, **options: Any) -> None:
+        self._console: DriverApp = app
+        app.terminal = self
+        self._call_threadsafe = asyncio.get_running_loop().call_soon_threadsafe
+        self._reader: threading.Thread | None = None
         self._writer: TerminalWriter | None = None
         self._started = False
         self._is_setting_modes = True  # Such writes are never dropped.
         self._keeps_keys = False
         self._empty_at = time.monotonic()  # In s: the last time when there was nothing to read.
-        super().__init__(*args, **options)
+        super().__init__(app, **options)
 
     # LinuxDriver creates its thread within start_application_mode; the setter replaces it.
     @property
@@ -194,7 +201,7 @@ class SteadyDriver(LinuxDriver):
         self._is_setting_modes = True
         # In the background Textual returns without starting, and without a writer.
         super().start_application_mode()  # type: ignore[no-untyped-call]
-        before = cast(DriverApp, self._app).settings_before
+        before = self._console.settings_before
         self.attrs_before = self.attrs_before if before is None else [*before]
         if not constants.DISABLE_KITTY_KEY:
             self.write(_ALTERNATE_KEYS)
@@ -224,9 +231,9 @@ class SteadyDriver(LinuxDriver):
             return
         # As Textual does it, but what waits to be read is not thrown away.
         signal.signal(signal.SIGWINCH, signal.SIG_DFL)
-        self._disable_mouse_support()
-        if self._key_thread is not None:
-            self._key_thread.join()
+        self.write(_NO_MOUSE)
+        if self._reader is not None:
+            self._reader.join()
         self.exit_event.clear()
 
     def close(self) -> None:
@@ -241,13 +248,9 @@ class SteadyDriver(LinuxDriver):
     def is_stuck(self) -> bool:
         return self._writer is not None and self._writer.is_stuck
 
-    def _sigtstp_application(self, *_: Any) -> None:
-        cast(DriverApp, self._app).before_suspend()
-        super()._sigtstp_application()
-
-    def _sigcont_application(self, *_: Any) -> None:
-        if self._auto_restart and not self._started:
-            self.resume_application_mode()
+    def suspend_application_mode(self) -> None:
+        self._console.before_suspend()
+        super().suspend_application_mode()
 
     def run_input_thread(self) -> None:
         """Read keys until the driver ends or the terminal is gone, and pass on their messages.
@@ -255,8 +258,8 @@ class SteadyDriver(LinuxDriver):
         STOP overtakes the keys that were read with it. When the terminal is gone, the app is told
         to end.
         """
-        app = cast(DriverApp, self._app)
-        keyboard, began_at = Keyboard(app.stop_key, self._debug), self._empty_at
+        app, self._reader = self._console, threading.current_thread()
+        keyboard, began_at = Keyboard(app.stop_key), self._empty_at
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
@@ -278,7 +281,7 @@ class SteadyDriver(LinuxDriver):
                 dispatch(messages, app, self._on_stop_key, self.process_message, began_at)
 
     def _on_stop_key(self, message: Message) -> None:
-        self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
+        self._call_on_loop(partial(self._console.stop_typed, message))
 
     def _read_available(self, selector: selectors.BaseSelector) -> bytes:
         """Return everything that can be read now; empty if the terminal is gone."""
@@ -298,15 +301,15 @@ class SteadyDriver(LinuxDriver):
         self.exit_event.set()
         if self._writer is not None:
             self._writer.kill()
-        self._call_on_loop(cast(DriverApp, self._app).hang_up)
+        self._call_on_loop(self._console.hang_up)
 
     def _on_output_drained(self) -> None:
         self.write("\x1b[?2026l")  # The end of a frame may have been dropped.
-        self._call_on_loop(cast(DriverApp, self._app).repaint)
+        self._call_on_loop(self._console.repaint)
 
     def _call_on_loop(self, function: Callable[[], None]) -> None:
         with contextlib.suppress(RuntimeError):  # The loop may be closed.
-            self._loop.call_soon_threadsafe(function)
+            self._call_threadsafe(function)
 
 
 def drain_keys(descriptor: int, stop_key: str) -> set[str]:

@@ -202,9 +202,9 @@ class _Paste:
 class Keyboard:
     """A parser of a terminal's bytes into messages. Nothing here reads a clock or a file."""
 
-    def __init__(self, stop_key: str = "ctrl+x", debug: bool = False) -> None:
-        self._stops, self._debug = ("ctrl+x", stop_key), debug  # debug: Textual's flag
-        self._parser = XTermParser(debug)
+    def __init__(self, stop_key: str = "ctrl+x") -> None:
+        self._stops = "ctrl+x", stop_key
+        self._parser = XTermParser()
         self._decoder = codecs.getincrementaldecoder("utf-8")("archo-terminal")
         self._last = 0.0  # Monotonic time of the last reading, in s.
         self._paste: _Paste | None = None
@@ -350,7 +350,7 @@ class Keyboard:
         try:
             return list(self._parser.feed(token))
         except Exception:  # Textual's parser stumbles over some.
-            self._parser = XTermParser(self._debug)
+            self._parser = XTermParser()
             return []
 
 

@@ -34,10 +34,8 @@ KNOWN = {
     "_dirty_widgets",
     "screens/confirm.py": "_bindings",
     "screens/main.py": "_compositor_refresh _screen_resized",
-    "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
-    "_return_code _styles_cache",
-    "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
-    "_sigcont_application _sigtstp_application _writer_thread",
+    "terminal/app.py": "_context _handle_exception _styles_cache",
+    "terminal/driver.py": "_writer_thread",
     "terminal/keyboard.py": "_xterm_parser",
     "terminal/stop_marks.py": "_prevent",
     "widgets/field.py": "_forward_event",
