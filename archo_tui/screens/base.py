@@ -46,16 +46,13 @@ class Base(Screen[ScreenResultType]):
         return self.focused if self.focused in chain else next(iter(chain), self.focused)
 
     def _compositor_refresh(self) -> None:
-        """Draw what has changed; behind a dialog, have the dialog draw that.
+        """Draw what has changed; behind a dialog, have the dialog draw that, and no more.
 
-        Textual would keep the change marked on this screen, and draw it again with each later one.
+        Textual would draw all of this screen with its next change.
         """
-        if self is self.app.screen:
-            super()._compositor_refresh()
-        elif self in self.app._background_screens and self._compositor._dirty_regions:
-            self.app.screen.refresh(*self._compositor._dirty_regions)
-            self._compositor._dirty_regions.clear()
-            self._dirty_widgets.clear()
+        super()._compositor_refresh()
+        if self is not self.app.screen:
+            self._repaint_required = False
 
     def get_widget_and_offset_at(self, x: int, y: int) -> tuple[Widget | None, Offset | None]:
         """Return the widget at a cell and the place in its text; None and None if there is none.

@@ -30,8 +30,7 @@ KNOWN = {
     "cli/look.py": "_exit",  # os's
     "launch/child_process.py": "_exit",  # os's
     "keyed_app.py": "_bindings _check_bindings",
-    "screens/base.py": "_background_screens _compositor _compositor_refresh _dirty_regions "
-    "_dirty_widgets",
+    "screens/base.py": "_compositor_refresh _repaint_required",
     "screens/confirm.py": "_bindings",
     "screens/main.py": "_compositor_refresh _screen_resized",
     "terminal/app.py": "_context _handle_exception _styles_cache",

@@ -13,6 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, Float32MultiArray, Float64, String
 from textual.geometry import Region
+from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands import topic_dialog
@@ -24,6 +25,8 @@ from tests.support.quiet import Quiet
 from tests.support.robot import making
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_app
+
+_DRAW = Screen._compositor_refresh
 
 
 class Lidar(Node):
@@ -299,7 +302,10 @@ async def test_p_plots_numbers_on_one_axis_and_nothing_else() -> None:
         assert "60 s ago" not in shown.text
 
 
-async def test_a_clock_behind_a_dialog_has_only_itself_drawn() -> None:
+async def test_a_clock_behind_a_dialog_has_only_itself_drawn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Screen, "_compositor_refresh", _DRAW)
     async with opened() as shown:
         app, drawn = shown.app, list[Region]()
         await shown.press("down")
