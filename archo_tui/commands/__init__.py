@@ -53,7 +53,6 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
         *(generic.AnyTopic(verb) for verb in verbs.values() if isinstance(verb, Publish)),
-        generic.WriteRobotFile(),
         generic.DescribeRobot(),
         *(places.SaveUnderName(v, "places") for v in verbs.values() if _saves_pose(v)),
         *(places.SaveUnderName(v, "go_list") for v in verbs.values() if isinstance(v, SaveQueue)),

@@ -74,7 +74,6 @@ class Desk:
         self.shown_keys = {name: readable_key(key) for name, key in self.keys.items()}
         # The last texts, by form and by the path of the field.
         self.typed: dict[str, dict[str, str]] = {}
-        self.used = snapshot.file  # With the other goals and services that were used besides.
         self.view = self._state()
 
     def _state(self) -> ScreenState:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +16,8 @@ from archo_tui.robot.messages.types import TypedField, load_class
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.check import not_installed
-from archo_tui.robot_file.load import dump, without
-from archo_tui.robot_file.model import CommandService, FormField, GoalKind
+from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.robot_file.propose import SeveralRobots
-from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 from archo_tui.verbs.names import topics_of, type_of
@@ -103,8 +100,7 @@ class _GenericCommand(VerbCommand):
 class AnyGoal(_GenericCommand):
     """The command that sends a goal to any action on the graph.
 
-    An action of the robot file opens that file's form. Another action that accepts a goal is added
-    to `desk.used`.
+    An action of the robot file opens that file's form.
     """
 
     key = "G"
@@ -126,13 +122,9 @@ class AnyGoal(_GenericCommand):
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         short = base_name(name)
-        goal = GoalKind(id=_unused_id(desk, name), title=short, action=name, type=type_name)
+        goal = GoalKind(id=short, title=short, action=name, type=type_name)
         outcome = await self.verb.run(desk.station, {KIND: goal, GOALS: [values]})
         desk.update_screen()  # The goal may wait in the queue.
-        if outcome.ok:
-            known = [old for old in desk.used.goals if old.action != name]
-            used = replace(goal, form={path: FormField() for path in _paths(values)})
-            desk.used = replace(desk.used, goals=(*known, used))
         return outcome
 
 
@@ -218,10 +210,7 @@ def _publish_values(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class AnyService(_GenericCommand):
-    """The command that calls any service on the graph.
-
-    A service that was called without values is added to `desk.used`.
-    """
+    """The command that calls any service on the graph."""
 
     key = "C"
 
@@ -266,53 +255,7 @@ class AnyService(_GenericCommand):
         outcome = await self.verb.run(desk.station, given)
         if outcome.ok:
             desk.show_message(outcome.text, name)
-            short = base_name(name)
-            known = [old for old in desk.used.commands if old.service != name]
-            if not values:  # A robot file has no commands with fields.
-                used = CommandService(id=_unused_id(desk, name), title=short, service=name)
-                desk.used = replace(desk.used, commands=(*known, used))
         return outcome
-
-
-def _unused_id(desk: Desk, name: str) -> str:
-    """Return a free id in `desk.used` for an action or service: its last part, or `dock_2`.
-
-    An entry for the same name does not count, since it will be replaced.
-    """
-    kept = desk.used
-    used = {goal.id for goal in kept.goals if goal.action != name}
-    for command in kept.commands:
-        if command.service != name:
-            used |= {command.id, command.off_word}
-    return unused_word(base_name(name).lower().strip("_") or "other", used)
-
-
-def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """Yield the dotted path of each value, those of nested mappings included."""
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _paths(value, f"{before}{name}.")
-        else:
-            yield f"{before}{name}"
-
-
-class WriteRobotFile(Command):
-    """The command that saves the robot file with the goals and services used so far.
-
-    If no robot file was given, what the robot does not have is left out.
-    """
-
-    id = "keep_robot"
-    help = "Save a robot file: this one, with the other goals and services that you used"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
-        used, station = desk.used, desk.station
-        if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
-            used = without(used, station.robot.snapshot.unavailable_names)
-        write = file_writer(desk, dump(used), "save a robot file")
-        desk.live.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
 
 
 class DescribeRobot(Command):

@@ -10,8 +10,8 @@ import functools
 import math
 import sys
 import types
-from collections.abc import Collection, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -229,28 +229,6 @@ _HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
 def dump(robot: RobotFile) -> str:
     """Return YAML text from which `load` makes an equal robot; defaults are left out of it."""
     return _HEAD + yaml_dump.block({"version": robot.version, **plain(robot)})
-
-
-def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
-    """Return a copy of a robot file without the parts that need something which is not there.
-
-    Parts are left out for their topic, their action, or the service that they call; `record` and
-    the STOP's release stay. A copy that lacks a part is of another robot: it has no name, and
-    shows all parameters.
-    """
-    battery, motion, pose, stop = robot.battery, robot.motion, robot.pose, robot.stop
-    kept = replace(
-        robot,
-        battery=None if battery is None or battery.topic in names else battery,
-        motion=None if motion is None or motion.topic in names else motion,
-        pose=None if pose is None or pose.topic in names else pose,
-        goals=tuple(kind for kind in robot.goals if kind.action not in names),
-        stop=None if stop is None or stop.service in names else stop,
-        commands=tuple(command for command in robot.commands if command.service not in names),
-        gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
-        diagnostics="" if robot.diagnostics in names else robot.diagnostics,
-    )
-    return kept if kept == robot else replace(kept, name=RobotFile.name, shown=())
 
 
 def plain(value: Any) -> Any:

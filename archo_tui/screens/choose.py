@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Sequence
+import re
+from collections.abc import Callable, Coroutine, Iterable, Sequence
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 from rich.cells import cell_len
@@ -16,7 +18,6 @@ from textual.strip import Strip
 
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.find import matched_spans, matching_rows
 from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
@@ -34,6 +35,52 @@ class Choice(NamedTuple):
     beside: str = ""  # At the right of the title: a key, a type.
     reason: str = ""  # Why it cannot be done now; the row can be chosen all the same.
     words: str = ""  # Other words that people may type for it.
+
+
+class Fit(IntEnum):
+    """The fit of a typed word to a choice; a smaller value is a better fit."""
+
+    WORD = 0  # A whole word of the title, or of the other words.
+    BEGINNING = 1  # The beginning of one.
+    INSIDE = 2  # Any part of the title.
+    NONE = 3
+
+
+def fit(typed: str, title: str, others: str = "") -> Fit:
+    """Return how well a casefolded word fits a title, or other words for it."""
+    title = title.casefold()
+    text, begin = f"{title} {others.casefold()}", rf"(?<![^\W_]){re.escape(typed)}"
+    if re.search(rf"{begin}(?![^\W_])", text):
+        return Fit.WORD
+    if re.search(begin, text):
+        return Fit.BEGINNING
+    return Fit.INSIDE if typed in title else Fit.NONE
+
+
+def matching(typed: str, choices: Iterable[Choice]) -> list[Choice]:
+    """Return the choices that every typed word fits, in any order of the words, the best first."""
+    ranked = []
+    for choice in choices:
+        fits = [fit(word, choice.title, choice.words) for word in typed.casefold().split()]
+        if Fit.NONE not in fits:
+            ranked.append(((max(fits, default=0), sum(fits)), choice))
+    return [choice for _, choice in sorted(ranked, key=lambda found: found[0])]
+
+
+def matched_spans(typed: str, title: str) -> list[tuple[int, int]]:
+    """Return the sorted spans of what typed words match in a title; they may overlap.
+
+    Empty if casefolding changes the title's length.
+    """
+    lower, found = title.casefold(), []
+    if len(lower) != len(title):  # Its letters stand elsewhere.
+        return []
+    for word in typed.casefold().split():
+        begins = re.search(rf"(?<![^\W_]){re.escape(word)}", lower)
+        at = lower.find(word) if begins is None else begins.start()
+        if at >= 0:
+            found.append((at, at + len(word)))
+    return sorted(found)
 
 
 def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
@@ -134,9 +181,7 @@ class Choose(Dialog[None]):
 
     def _matches(self) -> Sequence[Choice]:
         """Return the choices that match the typed text, the best first; all if nothing is typed."""
-        return matching_rows(
-            self._narrow.value, self._all, lambda choice: (choice.title, choice.words)
-        )
+        return matching(self._narrow.value, self._all)
 
     def _show_matches(self) -> None:
         shown = self._matches()

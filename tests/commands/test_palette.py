@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.keyed_app import HELD
-from archo_tui.screens.choose import ChoiceRows
-from archo_tui.screens.find import Fit, fit, matching_rows
+from archo_tui.screens.choose import ChoiceRows, Fit, fit, matching
 from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console, key_event
@@ -26,7 +25,6 @@ TYPED = {
     "Save the running goal": ("save the queue", "as a list", "running goal and"),
     "Publish a message": ("publish", "pub", "message"),
     "Call any service": ("service", "call", "any service"),
-    "Save a robot file": ("keep", "robot file", "yaml"),
     "Describe this robot": ("describe", "new robot", "discover"),
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
     "Operate another robot": ("another robot", "namespace", "operate"),
@@ -98,8 +96,7 @@ async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
         assert [t for t in named if not t.startswith(tuple(TYPED))] == []
 
         def found(typed: str, count: int) -> list[str]:
-            rows = matching_rows(typed, choices, lambda choice: (choice.title, choice.words))
-            return [one.title for one in rows[:count]]
+            return [one.title for one in matching(typed, choices)[:count]]
 
         for title, three in TYPED.items():
             assert len(set(three)) == 3
@@ -114,11 +111,11 @@ async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
             assert meant in found(typed, 8), typed
 
 
-def test_whole_words_come_before_beginnings_and_those_before_scattered_letters() -> None:
+def test_whole_words_come_before_beginnings_and_those_before_what_is_inside() -> None:
     fits = [fit("stop", name) for name in ("the stop", "stopped", "unstoppable", "s to p", "pots")]
-    assert fits == [Fit.WORD, Fit.BEGINNING, Fit.INSIDE, Fit.SCATTERED, Fit.NONE]
+    assert fits == [Fit.WORD, Fit.BEGINNING, Fit.INSIDE, Fit.NONE, Fit.NONE]
     assert fit("exit", "Quit", "exit leave") == Fit.WORD
-    assert fit("textual-d", "Theme textual-dark") == Fit.INSIDE
+    assert fit("textual-d", "Theme textual-dark") == Fit.BEGINNING
 
 
 async def test_the_palette_says_what_can_be_done_now_and_keeps_its_rows_in_place() -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.screens.choose import ChoiceRows
-from archo_tui.screens.find import matched_spans
+from archo_tui.screens.choose import ChoiceRows, matched_spans
 from tests.support.console import FAST, LONG, Console, console
 
 

@@ -28,7 +28,6 @@ ACTS = {
     "tf",
     *(
         "call",
-        "keep_robot",
         "describe_robot",
         "other_robot",
         "ack",

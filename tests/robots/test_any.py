@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,15 +15,11 @@ from rclpy.node import Node
 from textual.widgets import TextArea
 
 from archo_tui.robot.messages.types import load_class as load_interface
-from archo_tui.robot_file.load import load, without
-from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.message_form import MessageForm
 from archo_tui.yaml_text.dump import block
 from tests.robots.rover import Counting
-from tests.support.archo import ARCHO
 from tests.support.console import Console, console
 from tests.support.robot import making
-from tests.support.states import NORMAL
 from tests.support.values import told, values_of
 
 
@@ -230,74 +225,12 @@ async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:
         assert str(list(sample.f32s)) == "[1000.0, nan, 1.0]"
 
 
-async def test_what_was_used_is_kept_as_a_robot_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    async with counting() as (op, _):
-        await form(op, "G", *"fib", "enter")
-        await op.press("2", "enter")
-        await op.until("✓ SUCCEEDED")
-        await op.press("ctrl+p")
-        await op.type("save a robot")
-        await op.until("Save a robot file")
-        await op.press("enter")
-        await op.until("robot.yaml")
-        await op.press("enter")
-        await op.until("Saved to robot.yaml.")
-        kept = load(tmp_path / "robot.yaml")
-        assert kept == RobotFile(goals=kept.goals)
-        assert [goal.action for goal in kept.goals] == ["/fibonacci"]
-    async with console(robot=tmp_path / "robot.yaml", node_makers=[Counting], wait=False) as op:
-        await op.until(lambda: "/fibonacci" in op.app.view.snapshot.offered)
-        await op.press("g", "3", "enter")  # the first goal of the file has its form on the screen
-        await op.until("✓ SUCCEEDED")
-
-
-def test_of_the_file_of_another_robot_only_what_is_there_is_kept() -> None:
-    cart = NORMAL._replace(offered=frozenset({"battery_level", "emergency_stop", "set_charging"}))
-    cart = cart._replace(faults={"set_charging": "set_charging is depot_interfaces/srv/Plan"})
-    kept = without(ARCHO, cart.unavailable_names)
-    assert kept == RobotFile(battery=ARCHO.battery, stop=ARCHO.stop)
-    assert without(ARCHO, NORMAL.unavailable_names) == ARCHO
-
-
-async def test_what_is_kept_is_called_by_no_word_of_the_console(here: Path) -> None:
-    async with console(node_makers=[_stopping], wait=False) as op:
-        await op.until(lambda: "/stop" in op.app.view.snapshot.services)
-        for _ in range(2):
-            await form(op, "C", *"/stop", "enter")
-            await op.press("enter")
-            await op.until("success true")
-        await op.press("ctrl+p")
-        await op.type("save a robot")
-        await op.until("Save a robot file")
-        await op.press("enter")
-        await op.until("robot.yaml")
-        await op.press("enter")
-        await op.until("Saved to robot.yaml.")
-        kept = load(here / "robot.yaml")
-        assert [(one.id, one.service) for one in kept.commands] == [("stop_2", "/stop")]
-
-
 async def test_where_nothing_is_offered_the_keys_say_so() -> None:
     async with console(node_makers=[lambda **given: _bare(**given)], wait=False) as op:
         await op.press("G")
         await op.until("no action is on the graph")
         await op.press("C")
         await op.until("no service is on the graph")
-
-
-def _stopping(**given: Any) -> Any:
-    from std_srvs.srv import Trigger
-
-    def answer(_: Any, response: Any) -> Any:
-        response.success = True
-        return response
-
-    node = _bare(**given)
-    node.create_service(Trigger, "stop", answer)
-    return node
 
 
 def _bare(**given: Any) -> Any:

@@ -212,13 +212,6 @@ class Snapshot(NamedTuple):
         """Return why a topic, service or action of the robot file cannot be used; "" if it can."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
-    @property
-    def unavailable_names(self) -> frozenset[str]:
-        """The names in the robot file that no node offers, or not as the file says."""
-        actions = (kind.action for kind in self.file.goals)
-        names = (*self.file.shown_topics, *self.file.services, *actions)
-        return frozenset(name for name in names if self.unavailable(name))
-
     def parameter(self, name: str) -> Parameter | None:
         """Return the first parameter of that name, by node names; None if no node has one."""
         return next((p for p in self.parameters if p.name == name), None)
