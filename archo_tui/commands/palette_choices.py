@@ -30,7 +30,7 @@ _THEME_WORDS = "colours colors appearance dark night light bright day high contr
 _SEARCH_WORDS = {
     "go": "drive move target send",
     "cancel": "abort call back",
-    "cancel_all": "abort all",
+    "cancel_all": "abort all goals",
     "continue": "resume proceed",
     "skip": "drop remove leave out next",
     "stop": "emergency halt brake",

@@ -23,8 +23,6 @@ Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the the
 QUIET = "$quiet"
 Columns = tuple[int, ...]  # Their widths, in cells.
 
-_MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sideways.
-
 
 def pad(text: str, width: int) -> str:
     """Return a text in exactly `width` cells: filled with blanks, or cut in its middle by `…`."""
@@ -164,7 +162,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         self.columns = self._measure(self._items, self._width)
         is_changed = (self._width, self.columns) != before
         total = self._wrap(is_changed) if self._wraps else len(self._items)
-        size = Size(max(self._longest_line(), 1), total)
+        size = Size(self._width, total)
         if not had_bar and self._fits(size) and self._fits(self.virtual_size):
             self.set_reactive(Rows.virtual_size, size)  # Spares a layout of the screen.
             self._redraw_all_or_changed(is_changed)
@@ -186,7 +184,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
             self.redraw_changed()
 
     def _fits(self, size: Size) -> bool:
-        return size.width <= self._width and size.height <= self.container_size.height
+        return size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
         """Lay out the items, or (if `is_changed` is False) new objects only; return the lines."""
@@ -204,11 +202,6 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
             return self._draw(item, self._width, self.columns)
         except Exception as error:  # The other items go on.
             return [(not_drawn(error), "$warn")]
-
-    def _longest_line(self) -> int:
-        measured = range(min(len(self._items), _MAX_MEASURED))
-        lines = (line for number in measured for line in self._lines_of(number))
-        return max((cell_len(text) for text, _ in lines), default=0)
 
     def _line_at(self, row: int) -> tuple[Text, bool]:
         """Return the text and style of a line of the whole list, and True for a visible cursor."""
@@ -228,8 +221,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         seen = self._line_at(self.scroll_offset.y + y)
         self._drawn_lines[y] = seen
         (text, style), selected = seen
-        width, left = self.size.width, self.scroll_offset.x
-        text = crop(text, left + self._width)
+        width, text = self.size.width, crop(text, self._width)
         base = self.base
         tones = self.app.theme_variables
         words = (tones[word[1:]] if word.startswith("$") else word for word in style.split())
@@ -237,7 +229,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         if selected:
             # A highlighted row stays visible, and has no colour of an alarm's banner.
             base = drawn = base + Style(bold=drawn.bold, reverse=not drawn.reverse)
-        return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
+        return Strip([Segment(text, drawn)]).crop_extend(0, width, base)
 
     def action_press(self, key: str) -> None:
         """Move the cursor by one of KEYS and show it; `down` first shows it where it is."""
