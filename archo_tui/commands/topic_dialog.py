@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
@@ -59,14 +58,6 @@ _FOLD_KEYS = "enter fold"
 _ELEMENT_KEYS = "i element"  # Behind them while an array is open.
 
 
-class _DrawnField(NamedTuple):
-    """The drawn lines of a field, with what they depend on."""
-
-    field: FieldView
-    look: tuple[Columns, bool, bool]  # Its columns; True if folded; if plotted.
-    lines: list[Text]
-
-
 class TopicDialog(Dialog[None]):
     """A topic's fields as a list with live values, plots of some, and both ends of the topic.
 
@@ -102,7 +93,6 @@ class TopicDialog(Dialog[None]):
         self._open_arrays: Mapping[str, int] = {}
         self._plotted: list[str] = []
         self._is_frozen = False
-        self._drawn: dict[str, _DrawnField] = {}  # By path: a list asks for a line several times.
         self._margin = 0, 0, 0, 0
         self._border = "", ""  # The texts on it: topic and type, and the keys.
         self._summary, self._titles = Line(classes="summary"), Line(classes="titles")
@@ -282,12 +272,7 @@ class TopicDialog(Dialog[None]):
         return self._rows.columns or field_columns((), self._rows.size.width)
 
     def _draw_field(self, field: FieldView, _width: int, columns: Columns) -> list[Text]:
-        look = columns, field.path in self._folded, field.path in self._plotted
-        drawn = self._drawn.get(field.path)
-        if drawn is None or drawn.field is not field or drawn.look != look:
-            line = field_line(field, columns, self._folded, self._plotted)
-            drawn = self._drawn[field.path] = _DrawnField(field, look, [line])
-        return drawn.lines
+        return [field_line(field, columns, self._folded, self._plotted)]
 
     def action_leave(self) -> None:
         """Close the line for an index if it is open, else the search, else the dialog."""
@@ -401,7 +386,6 @@ class TopicDialog(Dialog[None]):
         self._open_arrays = {}
         self._element.close()
         self._plotted.clear()
-        self._drawn.clear()
         self._is_frozen = False
         self._search.close()
         self.set_text("#topic-ends-text", Content(""))

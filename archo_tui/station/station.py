@@ -281,7 +281,6 @@ class Station:
             watching=self.robot.watching,
             queue=self.queue.waiting,
             held=self.queue.hold_reason,
-            changing=self.edits.is_changing,
             clients=self.clients,
             requests=self.approvals.waiting,
             restart_waits=bool(self.waiting_restart) and not self.is_restarting,

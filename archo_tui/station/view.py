@@ -30,7 +30,6 @@ class View:
     watching: bool = False  # Every command is refused, STOP included.
     queue: tuple[QueuedGoal, ...] = ()  # The next one first.
     held: str = ""  # Why the queue is held.
-    changing: bool = False  # A change of parameters from here has no answer.
     clients: tuple[str, ...] = ()  # The connected programs.
     requests: tuple[ApprovalRequest, ...] = ()  # The oldest first.
     restart_waits: bool = False  # For the release of a STOP, and then for a key.

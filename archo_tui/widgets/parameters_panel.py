@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.robot.graph.parameter_values import range_text
-from archo_tui.robot.messages.values import same, text_of
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
@@ -21,7 +21,6 @@ from archo_tui.widgets.search import Search
 
 _NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
 _TYPE_WIDTH, _RANGE_WIDTH = (8, 9), (7, 11)
-FLASH = 0.6  # Seconds of a highlight.
 _STANDARD_NAMES = ("use_sim_time", "start_type_description_service")
 _STANDARD_PREFIX = "qos_overrides."
 _WAITING = "? waiting for the nodes to report their parameters"
@@ -45,8 +44,6 @@ class ParametersPanel(Panel):
         self._hidden_count = 0  # Parameters that the key hides or shows.
         # For everything, so that a filter moves no panel; with the descriptions, and without.
         self.lines = 0, 0
-        # Changed by somebody else just now.
-        self._flashing: frozenset[tuple[str, str]] = frozenset()
         self._rows: Rows[Parameter] = Rows(
             self._draw_parameter,
             lambda p: (p.node, p.name),
@@ -89,9 +86,7 @@ class ParametersPanel(Panel):
             self._waiting = NONE_RECORDED
             self._refill()
         if view.snapshot.parameters is not self._parameters:
-            before, self._parameters = self._parameters, view.snapshot.parameters
-            if not view.changing:
-                self._flash(before)
+            self._parameters = view.snapshot.parameters
             self._refill()
         self._show_hidden_hint(view)
 
@@ -102,32 +97,12 @@ class ParametersPanel(Panel):
         note = f"   [not bold $quiet][@click=app.command('all_parameters')]{text}[/][/]"
         self.show_title(note if self._hidden_count else "")
 
-    def _flash(self, before: Sequence[Parameter]) -> None:
-        """Highlight the parameters whose value differs from before, unless animations are off."""
-        values = {(p.node, p.name): p.value for p in before}
-        names = (
-            (p.node, p.name)
-            for p in self._parameters
-            if not same(p.value, values.get((p.node, p.name)))
-        )
-        changed = frozenset(name for name in names if name in values)
-        if changed and self.app.animation_level != "none":
-            self._flashing = changed
-            self.set_timer(FLASH, self._end_flash)
-
-    def _end_flash(self) -> None:
-        self._flashing = frozenset()
-        self._rows.redraw_all()
-
     def _measure(self, parameters: Sequence[Parameter], width: int) -> Columns:
         rows, both = self._rows.size.height, self._only_changed
         return parameter_columns(parameters, width, rows, both=both)
 
     def _draw_parameter(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
-        lines = parameter_lines(parameter, width, columns, both=self._only_changed)
-        if (parameter.node, parameter.name) not in self._flashing:
-            return lines
-        return [(text, f"{style} reverse".lstrip()) for text, style in lines]
+        return parameter_lines(parameter, width, columns, both=self._only_changed)
 
     def toggle_changed(self) -> None:
         """Show only the parameters that differ from the start, with both values, or all again."""

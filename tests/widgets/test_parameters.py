@@ -109,32 +109,6 @@ async def test_a_wrong_value_is_said_and_the_dialog_follows_the_value() -> None:
         await op.until(lambda: not op.app.screen.query("#value"))
 
 
-async def test_a_parameter_set_by_somebody_else_flashes_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from rclpy.parameter import Parameter
-
-    monkeypatch.setattr(parameters_panel, "FLASH", 3600.0)  # s: a test may be slow to look
-    async with console(*FAST) as op:
-        op.app.animation_level = "full"
-
-        def flashes() -> bool:
-            strips = op.app.screen._compositor.render_strips()
-            row = next(strip for strip in strips if "wheel_radius" in strip.text)
-            return any(part.style and part.style.reverse for part in row if "0.0" in part.text)
-
-        await edit(op, "wheel_radius", "0.06")
-        await op.until("0.06 *")
-        await op.press("home")  # the cursor is elsewhere
-        assert not flashes()  # our own change
-        op.session.host.nodes[2].node.set_parameters([Parameter("wheel_radius", value=0.07)])
-        await op.until("0.07 *")
-        assert flashes()
-        op.app.main.parameters._end_flash()  # its time is over
-        await op.settle()
-        assert not flashes()
-
-
 async def test_files_that_were_used_are_offered_again(tmp_path: Path) -> None:
     async with console(*FAST) as op:
         for name in ("one.yaml", "two.yaml"):
