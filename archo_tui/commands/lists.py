@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
-from textual.content import Content
-from textual.widgets import Static
 
 from archo_tui.clock import Clock
 from archo_tui.commands.base import Desk
@@ -154,16 +152,9 @@ class ShelveReason(Form):
 
     def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
         """Create the dialog; `shelve` gets the reason, stripped, not empty, before it closes."""
-        super().__init__("reason")
-        self._alarm, self._shelve = alarm, shelve
-
-    def body(self) -> ComposeResult:
-        with Vertical(classes="dialog") as box:
-            box.border_title = "Shelve"
-            box.border_subtitle = "enter shelve   esc cancel"
-            yield Static(Content(f"{self._alarm.text}\n\nWhy is it silenced for {_SHELF}?"))
-            yield self.field
-            yield from self.below_field()
+        text = f"{alarm.text}\n\nWhy is it silenced for {_SHELF}?"
+        super().__init__("reason", title="Shelve", text=text)
+        self._shelve = shelve
 
     def submit(self, typed: str) -> None:
         if typed.strip():

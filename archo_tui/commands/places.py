@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-from textual.app import ComposeResult
-from textual.containers import Vertical
-from textual.content import Content
-from textual.widgets import Static
-
 from archo_tui.commands.base import Desk, VerbCommand
 from archo_tui.errors import ArchoError
 from archo_tui.screens.dialog import Form
@@ -32,16 +27,8 @@ class AskName(Form):
     submit_label = "Save"
 
     def __init__(self, desk: Desk, verb: Verb) -> None:
-        super().__init__("name")
+        super().__init__("name", title=verb.title, text=f"{verb.help}:")
         self._desk, self._verb = desk, verb
-
-    def body(self) -> ComposeResult:
-        with Vertical(classes="dialog") as box:
-            box.border_title = self._verb.title
-            box.border_subtitle = "enter save   esc cancel"
-            yield Static(Content(f"{self._verb.help}:"))
-            yield self.field
-            yield from self.below_field()
 
     def submit(self, typed: str) -> None:
         """Begin to run the verb with the typed name; a second call is ignored."""

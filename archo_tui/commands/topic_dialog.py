@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from textual.app import ComposeResult
@@ -25,14 +25,13 @@ from archo_tui.robot.state.topic import (
     TopicView,
 )
 from archo_tui.ros_names import base_name
-from archo_tui.screens.dialog import Dialog, main_screen
+from archo_tui.screens.dialog import Dialog, Form, main_screen
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.text.graph import topic_lines
 from archo_tui.text.state import WARN
-from archo_tui.text.topic import summary
-from archo_tui.widgets.element_line import ElementLine
+from archo_tui.text.topic import element_index, element_range, summary
 from archo_tui.widgets.field_lines import (
     curve_columns,
     field_columns,
@@ -56,6 +55,28 @@ _KEYS = "p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
 _FOLD_KEYS = "enter fold"
 _ELEMENT_KEYS = "i element"  # Behind them while an array is open.
+
+
+class AskElement(Form):
+    """The dialog that asks for the index of an element of an open array."""
+
+    submit_label = "Go"
+
+    def __init__(
+        self, array: str, length: Callable[[], int], go: Callable[[str, int], object]
+    ) -> None:
+        text = f"Index of {element_range(array, length())}"
+        super().__init__("element", title="Element", text=text)
+        self._array, self._length, self._go = array, length, go
+
+    def submit(self, typed: str) -> None:
+        try:
+            index = element_index(typed, self._array, self._length())
+        except ValueError as error:
+            self.show_message(str(error))
+        else:
+            self.dismiss()
+            self._go(self._array, index)
 
 
 class TopicDialog(Dialog[None]):
@@ -105,7 +126,6 @@ class TopicDialog(Dialog[None]):
             columns=field_columns,
         )
         self._search = Search(self._rows, self._show_fields)
-        self._element = ElementLine(self._go_to_element)
         self._plot, self._ends = TextLines(), VerticalScroll(id="topic-ends")
         self._box = Vertical(classes="dialog topic")
 
@@ -116,7 +136,6 @@ class TopicDialog(Dialog[None]):
             yield self._titles
             yield self._rows
             yield self._search.line
-            yield self._element
             self._plot.display = False
             yield self._plot
             with self._ends:
@@ -208,7 +227,6 @@ class TopicDialog(Dialog[None]):
         if view.ends is not None and view.ends != had_ends:
             self.set_text("#topic-ends-text", content(topic_lines(view.ends)).rstrip())
         self._show_fields()
-        self._show_element_line()
         self._show_plots()
 
     def _show_border(self) -> None:
@@ -232,19 +250,6 @@ class TopicDialog(Dialog[None]):
         self._rows.empty = f"no field has {self._search.search_text}" if shown else ""
         self._rows.show(found)
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
-
-    def _show_element_line(self) -> None:
-        """Show the array's present length in the line for an index, or close that line."""
-        if self._element.array:
-            array = next((a for a in self._open_views if a.path == self._element.array), None)
-            if array is None:
-                self._leave_element_line()
-            else:
-                self._element.set_length(int(array.value or 0))
-
-    def _leave_element_line(self) -> None:
-        self._element.close()
-        self.set_focus(self._rows)
 
     @property
     def _open_views(self) -> list[FieldView]:
@@ -275,10 +280,8 @@ class TopicDialog(Dialog[None]):
         return [field_line(field, columns, self._folded, self._plotted)]
 
     def action_leave(self) -> None:
-        """Close the line for an index if it is open, else the search, else the dialog."""
-        if self._element.array:
-            self._leave_element_line()
-        elif self._search.value or self.focused is self._search:
+        """Close the search if it is open, else the dialog."""
+        if self._search.value or self.focused is self._search:
             self._search.close()
         else:
             self.dismiss()
@@ -314,7 +317,7 @@ class TopicDialog(Dialog[None]):
         self._show_elements(open_arrays)
 
     def action_choose_element(self) -> None:
-        """Open the line for an index of the array around the cursor, or of the first one."""
+        """Ask for an index of the array around the cursor, or of the first one."""
         item = self._rows.item
         here, arrays = "" if item is None else item.path, self._open_views
         around = [a for a in arrays if here == a.path or here.startswith(f"{a.path}[")]
@@ -322,11 +325,14 @@ class TopicDialog(Dialog[None]):
         if array is None:
             self.notify("Open an array first: enter on its row.", markup=False)
         else:
-            self._element.open(array.path, int(array.value or 0))
+            path = array.path
+            self.app.push_screen(AskElement(path, partial(self._length, path), self._go_to_element))
+
+    def _length(self, array: str) -> int:
+        """Return the present number of elements of an open array; 0 once it is closed."""
+        return next((int(a.value or 0) for a in self._open_views if a.path == array), 0)
 
     def _go_to_element(self, array: str, index: int) -> None:
-        """Show the elements of an array from an index on, and close the line for an index."""
-        self._leave_element_line()
         self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
 
     def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
@@ -384,7 +390,6 @@ class TopicDialog(Dialog[None]):
         self._view = TopicView(self._topic)
         self._folded.clear()
         self._open_arrays = {}
-        self._element.close()
         self._plotted.clear()
         self._is_frozen = False
         self._search.close()

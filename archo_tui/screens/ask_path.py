@@ -32,16 +32,17 @@ class AskPath(Form):
         self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
     ) -> None:
         """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
-        super().__init__("path", default)
-        self._title, self._text, self._default, self._work = title, text, default, work
+        text = f"{text}; a relative path starts at {Path.cwd()}:"
+        super().__init__("path", default, title=title, text=text)
+        self._default, self._work = default, work
         self._recent: list[str] = []  # The newest first.
         self._index = -1  # Of the recent path in the field; -1 if it is the default.
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
-            box.border_title = self._title
+            box.border_title = self.title
             box.border_subtitle = "enter OK   ↑ ↓ recent files   esc cancel"
-            yield Static(Content(f"{self._text}; a relative path starts at {Path.cwd()}:"))
+            yield Static(Content(self.text_above))
             yield self.field
             yield Static(classes="recent")
             yield from self.below_field()

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from textual.app import App, ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
+from textual.markup import escape
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
@@ -156,8 +157,11 @@ class Form(Dialog[None]):
     submit_label: ClassVar[str]  # On the button that does the same as enter.
     hint = Content("")  # Below the field while there is no message.
 
-    def __init__(self, id: str, value: str = "", *, disabled: bool = False) -> None:
+    def __init__(
+        self, id: str, value: str = "", *, title: str = "", text: str = "", disabled: bool = False
+    ) -> None:
         super().__init__()
+        self.title, self.text_above = title, text
         self.field = Field(
             value,
             id=id,
@@ -166,6 +170,14 @@ class Form(Dialog[None]):
             stepped=self.step,
         )
         self.field.disabled = disabled
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = escape(str(self.title))
+            box.border_subtitle = f"enter {self.submit_label.lower()}   esc cancel"
+            yield Static(Content(self.text_above))
+            yield self.field
+            yield from self.below_field()
 
     def below_field(self) -> ComposeResult:
         """Yield the line for messages, and the buttons, for `body`."""

@@ -10,7 +10,7 @@ import threading
 import traceback
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import RenderableType
 from rich.segment import Segment
@@ -45,9 +45,6 @@ from archo_tui.terminal.themes import (
     remember_theme,
     to_grey,
 )
-
-if TYPE_CHECKING:
-    from archo_tui.terminal.driver import SteadyDriver
 
 COMMANDS = "commands"  # The group of workers for which the end waits.
 _SETTLE_TIME = 1.0  # Seconds in which the first screen is complete.
@@ -108,7 +105,7 @@ class TerminalApp(App[None]):
         self.station = station
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
-        self.terminal: SteadyDriver | None = None  # Not on Windows, nor in a test.
+        self.terminal: Any = None  # A SteadyDriver; none on Windows, or in a test.
         self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
         self.is_followed = False  # After a crash another screen reads what is typed meanwhile.
         self._is_ending = False
@@ -233,7 +230,7 @@ class TerminalApp(App[None]):
     @property
     def is_stuck(self) -> bool:
         """True while the terminal does not show what was drawn; False if nobody can tell."""
-        return self.terminal is not None and self.terminal.is_stuck
+        return self.terminal is not None and bool(self.terminal.is_stuck)
 
     def on_paste_stalled(self) -> None:
         text = "The paste has not ended: what you type is added to it. Press escape to end it."

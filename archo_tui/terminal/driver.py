@@ -50,7 +50,7 @@ class DriverApp(StopKeyOwner, Protocol):
 
     stop_key: str  # Textual's name of the key of STOP.
     settings_before: Sequence[Any] | None  # Of the terminal before the first start; None: as now.
-    terminal: SteadyDriver | None  # Set by the driver.
+    terminal: Any  # The driver, which sets it.
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone for good."""

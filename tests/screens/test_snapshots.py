@@ -77,7 +77,7 @@ async def pictures(
     snapshot: Snapshot,
     sizes: Iterable[str],
     *keys: str,
-    dialog: bool = False,
+    dialog: int = False,
     theme: str = "textual-dark",
     hosted: tuple[Hosted, ...] = (),
     seconds: int = 0,
@@ -185,14 +185,14 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
             "topic element",
             "normal",
             ["8", "home", "down", "enter", "end", "up", "enter", "i", *"360", "enter"],
-            True,
+            2,
         ),
         ("event", "normal", ["6", "home", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
     ],
 )
 async def test_what_keys_open_looks_as_accepted(
-    request: pytest.FixtureRequest, name: str, state: str, keys: list[str], dialog: bool
+    request: pytest.FixtureRequest, name: str, state: str, keys: list[str], dialog: int
 ) -> None:
     plain = ("help", "edit", "field", "question", "node")  # their nodes run elsewhere
     hosted = () if name in plain else HOSTED

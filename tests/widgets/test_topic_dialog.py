@@ -332,10 +332,10 @@ async def test_i_goes_to_the_element_whose_index_is_typed() -> None:
         await shown.press("end", "i")
         assert "Open an array first" in shown.text
         await shown.press("up", "enter", "i")
-        assert "of ranges: 0 .. 359" in shown.text
+        assert "Index of ranges: 0 .. 359" in shown.text
         await shown.press(*"137", "enter")
         assert shown.cursor == "ranges[137]"
-        assert "of ranges: 0 .. 359" not in shown.text
+        assert "Index of ranges: 0 .. 359" not in shown.text
         await shown.press("p", "i", *"359", "enter")
         assert shown.cursor == "ranges[359]"
         assert "[350]" in shown.text
@@ -353,7 +353,7 @@ async def test_what_is_no_index_is_said_and_can_be_mended_or_left() -> None:
         await shown.press("ctrl+u", "enter")
         assert "type an index of ranges: 0 .. 359" in shown.text
         await shown.press("escape")
-        assert "of ranges: 0 .. 359" not in shown.text
+        assert "Index of ranges: 0 .. 359" not in shown.text
         assert "i element" in shown.text
         await shown.press("enter")
         assert "[19]" not in shown.text  # Closed, and with it the field's key.
