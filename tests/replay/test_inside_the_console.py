@@ -201,7 +201,7 @@ async def test_no_other_key_of_a_replay_reaches_the_live_robot() -> None:
 
 
 @pytest.mark.parametrize(("key", "verb"), [("R", "release"), ("g", "go"), ("c", "charge")])
-async def test_a_key_that_acts_on_the_robot_says_in_a_replay_that_nothing_was_sent(
+async def test_a_key_of_the_robot_says_in_a_replay_that_nothing_was_sent(
     key: str, verb: str
 ) -> None:
     async with recorded() as op:
