@@ -277,6 +277,9 @@ class ArchoApp(KeyedApp):
         self._bindings.key_to_bindings = self._live_bindings
         for screen in reversed(above):
             screen.dismiss()
+        # What was said of the recording; a refusal or an error is the live robot's.
+        self._notices = [n for n in self._notices if n.severity != "information"]
+        self._show_notices()
 
     @contextmanager
     def opening(self) -> Iterator[None]:

@@ -209,6 +209,8 @@ async def test_a_key_of_the_robot_says_in_a_replay_that_nothing_was_sent(
         await op.press(key)
         await op.until(f"REPLAY: {verb} was not sent: press q for the live robot")
         assert op.app.station.robot.snapshot.events[-1].level != "YOU"
+        await op.press("q")
+        assert "REPLAY" not in op.text
 
 
 async def test_the_stop_button_that_a_replay_covers_cannot_be_clicked() -> None:
