@@ -51,6 +51,7 @@ _TIME_LINE = 2  # Rows of the time line of a replay.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
 _MIN_EVENTS = 8  # Rows of the events where there are 30 rows.
+_MOST_EVENTS = 11  # From 44 rows on, where the history has the others.
 _FEW_EVENTS, _FEW_PARAMETERS = 5, 5  # Rows with a border on a small one, for three and for two.
 # Seconds that the first drawing waits for the robot's nodes, so that it is not done twice.
 _NODES_TIMEOUT = 0.3
@@ -298,7 +299,7 @@ class MainScreen(Base[None]):
         goal = int(self.goal.styles.height.value) if self.goal.styles.height else 0
         if self._is_large:
             upper = goal + self._parameter_rows(height - _MIN_HISTORY - _MIN_EVENTS - goal)
-            events = max(min(height // 4, height - upper - _MIN_HISTORY), _MIN_EVENTS)
+            events = max(min(height // 4, _MOST_EVENTS, height - upper - _MIN_HISTORY), _MIN_EVENTS)
             return f"{upper} 1fr {events}"
         if self._is_wide:
             most = height - max(_MIN_EVENTS, height // 3)
