@@ -25,6 +25,7 @@ def _short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(topics, "LISTENING", 0.3)
 
 
+@pytest.mark.waits
 async def test_the_palette_writes_a_file_that_shows_the_robots_data(here: Path) -> None:
     cart = Path(__file__).with_name("cart.yaml")
     async with console(robot=cart, node_makers=[Cart], wait=False) as op:

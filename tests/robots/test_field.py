@@ -68,6 +68,7 @@ async def test_a_part_that_fails_is_an_alarm_and_enter_lists_all_parts() -> None
         await op.until("● OK    motor (right): fine")
 
 
+@pytest.mark.waits
 async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("archo_tui.robot.state.readings", "archo_tui.verbs.show"):
         monkeypatch.setattr(f"{module}.FORGET_AFTER", 12.0)
@@ -104,6 +105,7 @@ async def test_a_name_with_odd_spaces_is_acknowledged_as_it_is_read() -> None:
         assert station.view.alarms[0].acknowledged
 
 
+@pytest.mark.waits
 async def test_a_silent_part_grows_older_in_the_list() -> None:
     async with field() as (op, node):
         node.parts.clear()

@@ -128,6 +128,7 @@ async def test_a_program_gets_the_frames_as_data() -> None:
     assert frames["laser"]["static"] is True
 
 
+@pytest.mark.waits
 async def test_the_dialog_shows_them_as_they_come_and_listens_only_while_it_is_open() -> None:
     made: list[Base] = []
     async with console(node_makers=[making(made, Base)], wait=False) as op:

@@ -30,6 +30,7 @@ async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Consol
         yield op, made[-1]
 
 
+@pytest.mark.waits
 async def test_its_readings_are_shown_in_the_consoles_units_as_they_change() -> None:
     async with rover() as (op, node):
         await op.until("75.0 %  14.5 V")

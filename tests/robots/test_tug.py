@@ -114,6 +114,7 @@ async def test_its_commands_have_their_keys_and_ask() -> None:
         await op.until("The robot is on its way to bay 3. Zero turns now?")
 
 
+@pytest.mark.waits
 async def test_a_low_battery_is_an_alarm_with_its_own_key() -> None:
     async with tug() as (op, made):
         made["Power"].level = 20.0

@@ -47,6 +47,7 @@ def test_the_written_file_shows_and_commands_the_robot(
     assert again == (2, "", f"archo-tui: {file} already exists: name another file\n")
 
 
+@pytest.mark.waits
 def test_two_robots_are_named_and_none_is_written(processes: Processes) -> None:
     for number in (1, 2):
         processes.start("tests.robots.field", "-r", f"__ns:=/tb{number}")

@@ -131,6 +131,7 @@ def _said(op: Console, text: str) -> int:
     return sum(e.count for e in op.app.view.snapshot.events if e.text == text)
 
 
+@pytest.mark.waits
 async def test_a_crash_names_the_line_and_its_text(here: Path) -> None:
     file = here / "talker.py"
     file.write_text(talker("self.speed = distance / 0"))
@@ -151,6 +152,7 @@ async def test_sys_exit_ends_the_node_and_not_the_console(here: Path) -> None:
         await op.until("Keys")
 
 
+@pytest.mark.waits
 async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -> None:
     file = here / "talker.py"
     file.write_text(talker("print('printed words')"))
@@ -160,6 +162,7 @@ async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -
         await op.until("talker stdout")
 
 
+@pytest.mark.waits
 async def test_info_of_ones_own_nodes_is_seen_without_asking(
     here: Path,
 ) -> None:
@@ -249,6 +252,7 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
                 await person.until(f"talker gain {value}")
 
 
+@pytest.mark.waits
 async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
     here: Path,
 ) -> None:
@@ -283,6 +287,7 @@ async def pass_seconds(seconds: float) -> None:
     await until(lambda: clock.seconds() > later)
 
 
+@pytest.mark.waits
 async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:
     helper = here / "words_of_mine.py"
     helper.write_text("WORDS = 'first words'\n")
@@ -363,6 +368,7 @@ def running_threads() -> list[str]:
     return sorted(name for name in names if not name.startswith(("asyncio_", "black box")))
 
 
+@pytest.mark.waits
 @pytest.mark.real_time
 async def test_many_saves_half_of_them_broken_leave_nothing_behind(here: Path) -> None:
     choose = random.Random(5)
