@@ -27,8 +27,6 @@ MODULES = sorted(
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
     "app.py": "_bindings _handle_exception",
-    "cli/look.py": "_exit",  # os's
-    "launch/child_process.py": "_exit",  # os's
     "keyed_app.py": "_bindings _check_bindings",
     "screens/base.py": "_compositor_refresh _repaint_required",
     "screens/confirm.py": "_bindings",
