@@ -213,7 +213,7 @@ class Keyboard:
         self._is_late = False  # Its escape was taken as a key.
         self._late_until = 0.0  # Until then the rest of a sequence may follow its escape.
         self._string_began, self._string_size = 0.0, 0  # Of a control string that has begun.
-        self._is_flooded = False  # That one is endless: it is dropped until it pauses.
+        self._is_flooded = False  # That one is endless: until it pauses, only STOP is taken.
 
     @property
     def is_waiting(self) -> bool:
@@ -236,7 +236,7 @@ class Keyboard:
         if not text:
             return messages
         if self._is_flooded:
-            return [*messages, *keys_of(CANCEL) * text.count(CANCEL)]
+            return messages + [key for key in self._read(text) if self._is_stop(key)]
         while text[:1] and text[0] == self._stray_end[:1]:
             text, self._stray_end = text[1:], self._stray_end[1:]
         if text:
@@ -254,7 +254,11 @@ class Keyboard:
         if self._paste is not None:
             return self._on_silent_paste(self._paste, now)
         silence, rest = now - self._last, self._rest
-        self._is_flooded = self._is_flooded and silence < PAUSE
+        if self._is_flooded and silence >= PAUSE:
+            self._is_flooded = False
+            if self._string_size:
+                self._rest, self._string_size = "", 0
+                return []
         if not rest or silence < (PAUSE if rest == ESCAPE else SEQUENCE_WAIT):
             return []
         is_typed = self._is_late and len(rest) <= _LONGEST_TYPED
@@ -297,11 +301,11 @@ class Keyboard:
                 continue
             if is_open:
                 break
-            at, self._is_late = found.end(), False
+            at, self._is_late, self._string_size = found.end(), False, 0
             messages += self._to_messages(found[0]) if token else _broken_off(found[0])
             if token is None and len(found[0]) > 1 and rest[at] == SUBSTITUTE:
                 at += 1
-        self._keep(rest[at:], len(text))
+        self._keep(rest[at:], min(len(text), len(rest) - at))
         return messages
 
     def _keep(self, rest: str, size: int) -> None:
@@ -315,8 +319,7 @@ class Keyboard:
         if not self._string_size:
             self._string_began = self._last
         self._string_size += size
-        if self._string_size > STRING_LIMIT:
-            self._rest, self._string_size, self._is_flooded = "", 0, True
+        self._is_flooded |= self._string_size > STRING_LIMIT
 
     def _read_paste(self, paste: _Paste, text: str) -> tuple[list[Message], str]:
         """Return the messages for a text within a paste, and the text behind the end of the paste.
@@ -338,10 +341,13 @@ class Keyboard:
             return [*messages, PasteCut()], key
         return messages, ""
 
+    def _is_stop(self, message: Message) -> bool:
+        return isinstance(message, events.Key) and message.key in self._stops
+
     def _to_messages(self, token: str) -> list[Message]:
         """Return the messages for a character or a whole sequence; none for a reply."""
         if token == PASTE_BEGIN:
-            self._paste = _Paste(self._last)
+            self._paste = None if self._is_flooded else _Paste(self._last)
             return []
         if token[1:2] in (*_BEGINS_STRING, "\\"):
             return []

@@ -176,10 +176,24 @@ def test_a_string_that_does_not_end_is_not_kept_and_a_pause_ends_it() -> None:
     assert keyboard.read("r", after=0.12).keys == ["r"]
 
 
-def test_stop_in_a_flood_is_stop() -> None:
+@pytest.mark.parametrize("stop", ["\x18", "\x1b[120;5u", "\x1b[1095::120;5u", "\x1b[27;5;120~"])
+@pytest.mark.parametrize(
+    "flood", ["A" * 0x10000, "\x1b]52;c;" * 0x2000, f"{ST}\x1b]52;c;AAAA" * 0x1000]
+)
+def test_stop_in_a_flood_is_stop(flood: str, stop: str) -> None:
+    keyboard = Typed().read("\x1b]52;c;")
+    for _ in range(2 * STRING_LIMIT // len(flood)):
+        keyboard.read(flood)
+    assert keyboard.read(stop).keys == ["ctrl+x"]
+    for character in stop:
+        keyboard.read(character)
+    assert keyboard.read("r", after=0.12).keys == ["ctrl+x", "ctrl+x", "r"]
+
+
+def test_a_paste_in_a_flood_keeps_no_stop() -> None:
     keyboard = Typed().read("\x1b]52;c;" + "A" * (STRING_LIMIT + 1))
-    assert keyboard.read("\x18").keys == ["ctrl+x"]
-    assert keyboard.read("gr7").keys == ["ctrl+x"]
+    assert keyboard.read(f"{BEGIN}gr7\r\x18").keys == ["ctrl+x"]
+    assert keyboard.read("r", after=0.12).keys == ["ctrl+x", "r"]
 
 
 @pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
