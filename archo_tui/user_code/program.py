@@ -176,7 +176,7 @@ class HostedProgram(HostedThread):
         elif end.code == 0 and not self.blocker:
             self.state = done._replace(life=Life.ENDED)
         else:
-            by = f"ended by {Signals(-end.code).name}" if end.code < 0 else ""
+            by = f"ended by {_signal_name(-end.code)}" if end.code < 0 else ""
             error = self.blocker or by or end.error or f"exit code {end.code}"
             self.crash = error if error == end.error else f"{self.file}: {error}"
             error = self.file.without_name(self.crash)
@@ -259,10 +259,14 @@ def with_ros_args(args: Sequence[str], program: Program) -> list[str]:
     return [*args] if "--ros-args" in args else [*args, *program.ros_args]
 
 
+def _signal_name(number: int) -> str:
+    return {int(known): known.name for known in Signals}.get(number, f"signal {number}")
+
+
 def exit_code(error: SystemExit) -> tuple[int, str]:
     """Return the exit code that Python makes of a SystemExit, and the text that it prints or ""."""
     if error.code is None:
         return 0, ""
     if isinstance(error.code, int):
-        return error.code, ""
+        return error.code & 0xFF, ""
     return 1, str(error.code)

@@ -168,7 +168,10 @@ class ProgramThread(HostedProgram):
         self._process = _Process(self)
         _adopt(threading.current_thread(), self._process)
         try:
+            console = os.getpid()
             end = self._run_main()
+            if os.getpid() != console:  # A fork: the console's copy in it must do nothing.
+                os._exit(end.code)
             if end.code and any(thread.is_alive() for thread in self._process.awaited):
                 # As Python prints it at once, while other threads run on.
                 text = f"{end.error or f'exit code {end.code}'}: its other threads run on"
@@ -344,7 +347,7 @@ def install() -> Callable[[], None]:
 
     def exit_program(status: int) -> None:
         if (process := _current()) and os.getpid() == console:  # It may be a fork.
-            process.hosted.exit(status)
+            process.hosted.exit(status & 0xFF)
         exit_process(status)
 
     def kill_from_program(pid: int, number: int) -> None:

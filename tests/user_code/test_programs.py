@@ -204,6 +204,8 @@ threading.Thread(target=os._exit, args=(4,)).start()
 rclpy.spin(node)
 """
 FORKS = "if not os.fork():\n    os._exit(0)\nos.wait()\nos._exit(6)"
+FORK_ENDS = "import os, sys\nif not os.fork():\n    {end}\nsys.exit(os.wait()[1] >> 8)"
+A_FORK = pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
 
 
 @pytest.mark.parametrize(
@@ -213,11 +215,14 @@ FORKS = "if not os.fork():\n    os._exit(0)\nos.wait()\nos._exit(6)"
         (IN_A_THREAD.format(name="bad"), "exit code 4"),
         ("import os, signal; os.kill(os.getpid(), signal.SIGINT); input()", "exit code 130"),
         ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "ended by SIGKILL"),
-        pytest.param(
-            f"import os\n{FORKS}",
-            "exit code 6",
-            marks=pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning"),
-        ),
+        ("import sys; sys.exit(-1)", "exit code 255"),
+        ("import sys; sys.exit(-100)", "exit code 156"),
+        ("import sys; sys.exit(True)", "exit code 1"),
+        ("import os; os._exit(-1)", "exit code 255"),
+        ("import os; os.kill(os.getpid(), 40)", "ended by signal 40"),
+        pytest.param(f"import os\n{FORKS}", "exit code 6", marks=A_FORK),
+        pytest.param(FORK_ENDS.format(end="sys.exit(7)"), "exit code 7", marks=A_FORK),
+        pytest.param(FORK_ENDS.format(end="1 / 0"), "exit code 1", marks=A_FORK),
     ],
 )
 def test_a_program_that_ends_its_own_process_ends_alone(text: str, error: str) -> None:
