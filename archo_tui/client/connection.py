@@ -35,11 +35,12 @@ def _unix_socket() -> socket.socket:
 class Connection:
     """A connection to one console, which its card describes also while it does not answer."""
 
-    def __init__(self, path: str) -> None:
-        self.path, self.card = path, sockets.read_card(path)
+    def __init__(self, path: str, connected: socket.socket | None = None) -> None:
+        """Create a connection; one that is not `connected` yet is to the socket at `path`."""
+        self.path, self.card = path, {} if connected else sockets.read_card(path)
         self._buffer = b""
         self._number = 0
-        self.socket = _unix_socket()
+        self.socket = connected or _unix_socket()
         self.socket.setblocking(False)
 
     def connect(self) -> bool:

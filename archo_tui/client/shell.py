@@ -29,29 +29,12 @@ from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from contextlib import AbstractContextManager
     from types import FrameType
-    from typing import Any, Protocol
+    from typing import Any
 
-    class VerbConnection(Protocol):
-        """The interface of a connection to a console, or to a station in this process."""
-
-        def request(
-            self, seconds: float | None = None, /, **fields: Any
-        ) -> Iterator[dict[str, Any]]:
-            """Send a request, and yield all replies to it, the result last.
-
-            `seconds` limits all replies of a console together, each reply of a station in this
-            process; Unreached if it is over.
-            """
-
-        def replies(self, seconds: float | None = None, /) -> Iterator[dict[str, Any]]:
-            """Yield the replies that follow: from a console without end, else to the result."""
-
-        def send(self, message: dict[str, Any], /) -> None:
-            """Send an answer, or `give_up`, to the request that is being carried out."""
-
+    from archo_tui.client.connection import Connection
 
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
@@ -123,7 +106,7 @@ class _Interrupted(Exception):
 def run(
     words: Sequence[str],
     others: Iterable[str],
-    attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
+    attach: Callable[[], AbstractContextManager[Connection]] | None = None,
     meant: Mapping[str, Any] | None = None,
     helps: Callable[[], Mapping[str, str]] = dict,
 ) -> int:
@@ -242,7 +225,7 @@ def print_consoles(words: Sequence[str]) -> int:
 def _stop(
     selection: Mapping[str, Any],
     command_line: _CommandLine,
-    attach: Callable[[], AbstractContextManager[VerbConnection]] | None,
+    attach: Callable[[], AbstractContextManager[Connection]] | None,
 ) -> int:
     """Send STOP to every console that could be meant or to the robot, and return the worst code."""
     typed = [word for word in command_line.rest if is_stop({"words": word})]
@@ -276,11 +259,11 @@ def _stop(
 
 
 def _send(
-    console: VerbConnection,
+    console: Connection,
     command_line: _CommandLine,
     timeout: float | None,
     others: Iterable[str],
-    attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
+    attach: Callable[[], AbstractContextManager[Connection]] | None = None,
 ) -> int:
     """Send a verb, print the replies and the result, and return the exit code.
 
@@ -319,7 +302,7 @@ def _send(
 
 
 def _request_result(
-    console: VerbConnection,
+    console: Connection,
     request: dict[str, Any],
     command_line: _CommandLine,
     seconds: float | None,
@@ -388,7 +371,7 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
     return f"{verb}: {text}"
 
 
-def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
+def _give_up(console: Connection, command_line: _CommandLine) -> int:
     """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
     try:
         console.send({"give_up": True})

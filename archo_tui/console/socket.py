@@ -332,7 +332,7 @@ class Server:
     def _accept(self) -> None:
         assert self._listening is not None
         while self._early:
-            self._greet(self._early.pop(0))
+            self.greet(self._early.pop(0))
         self._listening.setblocking(False)
         with selectors.DefaultSelector() as selector:
             selector.register(self._listening, selectors.EVENT_READ)
@@ -343,13 +343,14 @@ class Server:
                         with contextlib.suppress(OSError):
                             os.utime(path)
                 try:
-                    self._greet(self._listening.accept()[0])
+                    self.greet(self._listening.accept()[0])
                 except BlockingIOError:  # The client has left.
                     pass
                 except OSError:  # No descriptor is free: the client waits.
                     time.sleep(_RETRY)
 
-    def _greet(self, connected: socket.socket) -> None:
+    def greet(self, connected: socket.socket) -> None:
+        """Serve a client on a connected socket."""
         connected.setblocking(True)
         client = SocketClient(self, connected)
         with self._lock:

@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger
 
 from archo_tui.cli.verb_help import helps, verbs_of_file
 from archo_tui.client import find, shell
+from archo_tui.client.connection import Connection
 from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
 from tests.support.robot import making
@@ -182,7 +183,7 @@ def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixtu
     assert json.loads(capsys.readouterr().out) == {"code": "misuse", "text": "ROS 2 was not found"}
 
 
-class Graph:
+class Graph(Connection):
     """Stands for the graph: a robot that is attached to where no console runs."""
 
     def __init__(self) -> None:

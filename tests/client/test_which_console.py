@@ -20,6 +20,7 @@ import pytest
 
 import archo_tui
 from archo_tui.client import find, shell, sockets
+from archo_tui.client.connection import Connection
 from archo_tui.client.connection import Unreached as NotReached
 from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ConsoleConnection
@@ -293,7 +294,7 @@ async def test_the_refusal_of_one_that_watches_does_not_fail_a_stop() -> None:
         assert await asyncio.to_thread(stop_by_shell) == 1
 
 
-class Graph:
+class Graph(Connection):
     """Stands for a robot that a verb attaches to: whatever is asked is done."""
 
     def __init__(self) -> None:
