@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.client.protocol import words_of
-from archo_tui.console.waits import RequestTimedOut, timeout_of, wait_for
+from archo_tui.console.waits import timeout_of, wait_until
 from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import parse_all, typed_text
-from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
+from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.goal import values_text
 from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
@@ -22,7 +22,6 @@ from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready
 _LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
 _LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
-ASKED = "asked"  # In place of an outcome's code: a person has to decide.
 
 
 class Assistants:
@@ -31,32 +30,26 @@ class Assistants:
     def __init__(self, station: Station, verbs: Mapping[str, Verb]) -> None:
         self._station, self._verbs = station, verbs
 
-    async def carry_out(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
-        """Return the result of a request of an assistant, with the request's `id`.
+    async def carry_out(self, requester: Requester, request: dict[str, Any]) -> Outcome:
+        """Carry out a request of an assistant; verbs that act are refused.
 
-        Verbs that act are refused. Raises ArchoError or ValueError for what means nothing here, and
-        RequestTimedOut.
+        Raises ArchoError or ValueError for what means nothing here.
         """
-        number = request.get("id")
         if "ask" in request:
-            return {"id": number, **await self._request_approval(requester, request["ask"])}
+            return await self._request_approval(requester, request["ask"])
         word, *rest = words_of(request)
         if word == "goals" and not rest:
-            return {"id": number, "code": "done", "text": "", "data": self._goals()}
+            return Report.of("", self._goals())
         if word == "wait" and rest[:1] == ["request"]:
-            return {"id": number, **await self._wait_for_request(requester, rest[1:], request)}
+            return await self._wait_for_request(requester, rest[1:], timeout_of(request))
         if word == "cancel" and not rest:
-            outcome = await self._cancel(requester)
-            return {"id": number, "code": outcome.code.value, "text": outcome.text}
+            return await self._cancel(requester)
         if word not in _LOOKS:
             text = f"an assistant has no {word[:40]}: a person does that at the console"
-            return {"id": number, "code": Code.REFUSED.value, "text": text}
+            return Outcome(Code.REFUSED, text)
         verb = self._verbs[word]
         values, _ = parse(verb, rest)
-        outcome = await run_when_ready(self._station, verb, values)
-        result = {"id": number, "code": outcome.code.value, "text": outcome.text}
-        data = data_of(outcome)
-        return result if data is None else {**result, "data": data}
+        return await run_when_ready(self._station, verb, values)
 
     def _goals(self) -> list[dict[str, Any]]:
         """Return `kind`, `title` and `schema`, a JSON schema with field paths, of each goal."""
@@ -73,7 +66,7 @@ class Assistants:
                 found.append({"kind": verb.id, "title": verb.title, "schema": json_schema})
         return found
 
-    async def _request_approval(self, requester: Requester, wanted: Any) -> dict[str, Any]:
+    async def _request_approval(self, requester: Requester, wanted: Any) -> Outcome:
         """Ask a person to allow a goal, and reply without waiting for the decision."""
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
@@ -81,12 +74,12 @@ class Assistants:
             kinds = ", ".join(v.id for v in self._verbs.values() if isinstance(v, Go)) or "none"
             raise ValueError(f"kind: the goals of this robot are {kinds}")
         if self._station.robot.watching:
-            return {"code": Code.REFUSED.value, "text": WATCHING}
+            return Outcome(Code.REFUSED, WATCHING)
         values = self._checked_values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
         prepared = await prepare_when_found(self._station, verb, goals)
         if isinstance(prepared, Outcome):
-            return {"code": Code.REFUSED.value, "text": prepared.text}
+            return Outcome(Code.REFUSED, prepared.text)
         title = verb.title.lower()
         shown = {path: quoted(value) for path, value in values.items()}
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
@@ -99,12 +92,9 @@ class Assistants:
         try:
             request = self._station.approvals.request(QueuedGoal(verb.kind, values), text)
         except ValueError as error:
-            return {"code": Code.REFUSED.value, "text": str(error)}
-        return {
-            "code": ASKED,
-            "text": f"request {request.number} waits for a person: {text}",
-            "data": {"request": request.number, "expires_in": LIFETIME},
-        }
+            return Outcome(Code.REFUSED, str(error))
+        text = f"request {request.number} waits for a person: {text}"
+        return Report.of(text, {"request": request.number, "expires_in": LIFETIME}, Code.ASKED)
 
     def _checked_values(self, verb: Go, given: Any) -> dict[str, Any]:
         """Return the values of a goal by dotted path, each converted to its field's type."""
@@ -128,38 +118,31 @@ class Assistants:
         return parse_all(fields, verb.kind.form, texts)
 
     async def _wait_for_request(
-        self, requester: Requester, words: list[str], request: Mapping[str, Any]
-    ) -> dict[str, Any]:
+        self, requester: Requester, words: list[str], timeout: float | None
+    ) -> Outcome:
         """Wait until the assistant's request is denied, void or expired, or its goal has ended.
 
-        The request's `timeout` counts up to 50 s, which is the default.
+        `timeout` counts up to 50 s, which is the default.
         """
-        self._request_of(requester, words)
-        timeout = timeout_of(request)
-        seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
 
         def outcome_if_over() -> Outcome | None:
             asked = self._request_of(requester, words)
             if asked.status == ApprovalStatus.WAITING:
                 return None
-            if asked.status == ApprovalStatus.ALLOWED:
-                end = asked.goal_end
-                return end.result() if end is not None and end.done() else None
-            return Outcome(Code.CANCELLED, asked.reason)
+            if asked.status != ApprovalStatus.ALLOWED:
+                text = f"request {asked.number} is {asked.status.value}: {asked.reason}"
+                return Outcome(Code(asked.status.name.lower()), text.removesuffix(": "))
+            if asked.goal_end is None or not asked.goal_end.done():
+                return None
+            outcome, goal = asked.goal_end.result(), asked.ended_goal
+            data = None if goal is None else as_json.goal(goal, self._now)
+            return Report.of(outcome.text, data, outcome.code)
 
-        try:
-            outcome = await wait_for(
-                self._station, self._verbs, [], {"timeout": seconds}, outcome_if_over
-            )
-        except RequestTimedOut:
-            raise RequestTimedOut(self._progress_text(self._request_of(requester, words))) from None
-        decided = self._request_of(requester, words)
-        if decided.status != ApprovalStatus.ALLOWED:
-            text = f"request {decided.number} is {decided.status.value}: {decided.reason}"
-            return {"code": decided.status.name.lower(), "text": text.removesuffix(": ")}
-        goal = decided.ended_goal
-        result = {"code": outcome.code.value, "text": outcome.text}
-        return result if goal is None else {**result, "data": as_json.goal(goal, self._now)}
+        seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
+        outcome = await wait_until(self._station, outcome_if_over, seconds)
+        if outcome.code is Code.RAN_OUT:
+            return Outcome(Code.RAN_OUT, self._progress_text(self._request_of(requester, words)))
+        return outcome
 
     def _progress_text(self, request: ApprovalRequest) -> str:
         if request.status == ApprovalStatus.WAITING:

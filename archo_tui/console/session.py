@@ -13,15 +13,21 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol
 
-from archo_tui.client.protocol import GONE, LOST, RESTARTS, is_stop, words_of
+from archo_tui.client.protocol import GONE, RESTARTS, is_stop, words_of
 from archo_tui.console.assistants import Assistants
-from archo_tui.console.follow import follow_events, follow_goal, follow_topic
-from archo_tui.console.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
+from archo_tui.console.waits import (
+    POLL_PERIOD,
+    condition,
+    follow_events,
+    follow_goal,
+    timeout_of,
+    wait_until,
+)
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.clients.requester import ASSISTANT, YOU, Requester, on_behalf_of
 from archo_tui.robot.messages.text import as_json as message_as_json
-from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
+from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, Report, answer_of, data_of
 from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
@@ -47,7 +53,6 @@ _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of work that was called off.
 _BEAT_PERIOD = 0.2  # Seconds between two beats, which a client answers while what it began lasts.
 _MAX_MISSED_BEATS = 5
 _SUSPENDED = "ended: this program gave no sign for 1 s"
-RAN_OUT = "ran_out"  # In place of an outcome's code: the client's timeout is over.
 
 
 class Client(Protocol):
@@ -228,6 +233,7 @@ class Session:
         self._calls_service = False
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
+        self._tells: dict[str, bool] = {}  # Of the result, once the verb is known.
         self.missed_beats = 0  # Since the client's last sign.
         self._is_called_off = False  # True once the task was cancelled to call its request off.
 
@@ -271,93 +277,91 @@ class Session:
 
     async def carry_out(self, request: dict[str, Any], stops: int) -> dict[str, Any]:
         """Carry out a request that was read after `stops` STOPs, and return its result."""
-        number, station, clock = request.get("id"), self._station, self._station.clock
+        station, clock = self._station, self._station.clock
         self._start(request)
         self._task = asyncio.current_task()
         try:
             if clock.monotonic() < self._next_at:
                 await clock.sleep(self._next_at - clock.monotonic())
             with station.robot.stops.typed_at(stops), on_behalf_of(self.requester):
-                return await self._carry_out_in_time(request)
+                outcome = await self._carry_out_in_time(request)
         except Void:
-            return _result(number, Outcome(Code.CANCELLED, NOT_SENT))
+            outcome = Outcome(Code.CANCELLED, NOT_SENT)
         except _Declined as error:
-            return _result(number, Outcome(Code.CANCELLED, str(error)))
-        except RequestTimedOut as error:
-            return {"id": number, "code": RAN_OUT, "text": str(error)}
+            outcome = Outcome(Code.CANCELLED, str(error))
         except (ArchoError, ValueError) as error:
-            return _result(number, Outcome(Code.MISUSE, str(error)))
+            outcome = Outcome(Code.MISUSE, str(error))
         except Exception as error:  # Whatever failed, the console goes on.
-            text = in_one_line(error)
-            station.robot.note("ERROR", "console", f"{self.requester.source}: {text}")
-            return _result(number, Outcome(Code.REFUSED, text))
+            outcome = Outcome(Code.REFUSED, in_one_line(error))
+            station.robot.note("ERROR", "console", f"{self.requester.source}: {outcome.text}")
         except asyncio.CancelledError:
             if self.missed_beats >= _MAX_MISSED_BEATS:
-                return _result(number, Outcome(Code.CANCELLED, _SUSPENDED))
-            if self._is_called_off:
+                outcome = Outcome(Code.CANCELLED, _SUSPENDED)
+            elif self._is_called_off:
                 text = NOT_TAKEN_BACK if self._calls_service else CALLED_OFF
-                return _result(number, Outcome(Code.CANCELLED, text))
-            # The screen ends or restarts, and the console keeps the goal.
-            return {"id": number, "code": LOST, "text": RESTARTS if station.is_restarting else GONE}
+                outcome = Outcome(Code.CANCELLED, text)
+            else:  # The screen ends or restarts, and the console keeps the goal.
+                outcome = Outcome(Code.LOST, RESTARTS if station.is_restarting else GONE)
         finally:
             if self.requester.waits and not self._is_assistant:
                 station.goals.take_out(self.requester)
             self._task, self._is_waiting = None, False
             self._next_at = clock.monotonic() + _REQUEST_INTERVAL
+        return _result(request.get("id"), outcome, **self._tells)
 
-    async def _carry_out_in_time(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request within its `timeout`, and return the result that the client gets."""
+    async def _carry_out_in_time(self, request: dict[str, Any]) -> Outcome:
+        """Carry out a request within its `timeout`."""
         words, timeout = request.get("words"), timeout_of(request)
         waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
         if timeout is None or waits or self._is_assistant:
             return await self._carry_out(request)
         work, clock = asyncio.ensure_future(self._carry_out(request)), self._station.clock
-        over = f"not within {timeout:g} s"
         try:
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
+            over = f"not within {timeout:g} s"
             if self._is_read_only:
-                raise RequestTimedOut(f"{timeout:g} s are over")
-            if self._keeps_goals:
+                over = f"{timeout:g} s are over"
+            elif self._keeps_goals:
                 work.add_done_callback(_retrieve_exception)
-                raise RequestTimedOut(f"{over}; what was sent goes on")
-            if self._calls_service:  # Nothing takes back a request that a service has.
-                raise RequestTimedOut(f"{over}: the robot may still do it")
-            return await self._call_off_late(work, over)
+                over += "; what was sent goes on"
+            elif self._calls_service:  # Nothing takes back a request that a service has.
+                over += ": the robot may still do it"
+            else:
+                return await self._call_off_late(work, over)
+            return Outcome(Code.RAN_OUT, over)
         finally:
             if self._is_read_only or not self._keeps_goals:
                 work.cancel()
 
-    async def _call_off_late(
-        self, work: asyncio.Future[dict[str, Any]], over: str
-    ) -> dict[str, Any]:
-        """Call off work whose time is over, and return its result if it has succeeded after all.
+    async def _call_off_late(self, work: asyncio.Future[Outcome], over: str) -> Outcome:
+        """Call off work whose time is over; its outcome is returned if it is a success after all.
 
-        Returns within 3 s: an unanswered cancel goes on alone. RequestTimedOut begins with `over`.
+        Returns within 3 s: an unanswered cancel goes on alone.
         """
         self._is_waiting = self.requester.has_left = True
         cancel = asyncio.ensure_future(self.call_off())
         self._late_cancels.add(cancel)  # The loop holds tasks weakly.
         cancel.add_done_callback(self._late_cancels.discard)
         try:
-            with suppress(TimeoutError):
-                result = await self._station.clock.wait_for(asyncio.shield(work), _CALL_OFF_TIMEOUT)
-                if result["code"] in ("done", "arrived"):  # At the last moment.
-                    return result
-                raise RequestTimedOut(f"{over}: {result['text']}")
+            outcome = await self._station.clock.wait_for(asyncio.shield(work), _CALL_OFF_TIMEOUT)
+        except TimeoutError:
+            return Outcome(Code.RAN_OUT, f"{over}; what was sent may still be done")
         except _Declined:
-            raise RequestTimedOut(f"{over}: nobody has answered") from None
-        raise RequestTimedOut(f"{over}; what was sent may still be done")
+            return Outcome(Code.RAN_OUT, f"{over}: nobody has answered")
+        if outcome.code in (Code.DONE, Code.ARRIVED):  # At the last moment.
+            return outcome
+        self._tells = {}
+        return Outcome(Code.RAN_OUT, f"{over}: {outcome.text}")
 
-    async def _carry_out(self, request: dict[str, Any]) -> dict[str, Any]:
+    async def _carry_out(self, request: dict[str, Any]) -> Outcome:
         """Carry out a request without a time limit; following events or a topic never returns."""
         number, station, verbs = request.get("id"), self._station, self._handler.verbs
         if self._is_assistant:
             return await self._handler.assistants.carry_out(self.requester, request)
         if "complete" in request:
             words = words_of({"words": request["complete"]})
-            found = candidates(verbs, station, words)
-            return {**_result(number, Outcome(Code.DONE, "")), "data": found}
+            return Report.of("", candidates(verbs, station, words))
         word, *rest = words_of(request)
         if request.get("follow"):
             await self._follow(number, word, rest, as_text=request.get("as_text") is True)
@@ -365,12 +369,12 @@ class Session:
             if request.get("wait"):
                 raise ValueError("wait has no --wait")
             sent = self._sent if rest == ["arrived"] else []
-            waited = partial(_outcome_if_over, sent) if sent else None
-            return _result(number, await wait_for(station, verbs, rest, request, waited))
+            check = partial(_outcome_if_over, sent) if sent else condition(station, verbs, rest)
+            return await wait_until(station, check, timeout_of(request))
         if "--help" in rest:
             verb = named(verbs, word)
-            told = _result(number, Outcome(Code.DONE, verb.help_line))
-            return {**told, "tells": True, "data": verb.options}
+            self._tells = {"tells": True}
+            return Report.of(verb.help_line, verb.options)
         verb, rest = choose_verb(verbs, station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
@@ -397,17 +401,16 @@ class Session:
             if station.is_restarting and outcome.code != Code.ARRIVED:
                 outcome = outcome._replace(text=f"{outcome.text}: the console restarts")
         tells = verb.tells_with(values) if requester is YOU else verb.tells
-        result = {**_result(number, outcome), "tells": tells}
-        data = data_of(outcome)
-        answer = answer_of(outcome)
+        data, answer = data_of(outcome), answer_of(outcome)
         if answer is not None and word == "call" and requester is not YOU:
             data = await in_daemon(message_as_json, answer)  # A map has a million values.
         if self._is_waiting and requester.goal is not None:
             data = as_json.goal(requester.goal, station.clock.monotonic())
             if isinstance(verb, SendGoal) and requester.goal.result is not None:
                 data["result"] = await in_daemon(message_as_json, requester.goal.result)
-                result["tells"] = True
-        return result if data is None else {**result, "data": data}
+                tells = True
+        self._tells = {"tells": tells}
+        return Report.of(outcome.text, data, outcome.code)
 
     async def _end_without_beats(self, number: Any) -> None:
         """Call the request off once the client has left five beats unanswered: it is suspended.
@@ -431,18 +434,19 @@ class Session:
             prepared = await prepare_when_found(station, verb, values)
             if isinstance(prepared, Outcome):
                 raise ArchoError(prepared.text)
-            await follow_topic(
+            await verb.follow(
                 station,
-                verb,
                 prepared,
-                client.reply,
-                number,
-                as_text=as_text,
+                partial(self._reply, number),
+                for_program=not as_text,
                 has_room=lambda: not client.is_behind,
             )
         if (word, *words) != ("events",):
             raise ValueError("only events can be followed, without further words")
-        await follow_events(station, client.reply, number)
+        await follow_events(station, partial(self._reply, number))
+
+    def _reply(self, number: Any, reply: dict[str, Any]) -> None:
+        self._client.reply({"id": number, **reply})
 
     async def _wait_for_ends(self, number: Any, feedback: bool) -> Outcome:
         """Wait for the ends of all goals, and return their combined outcome.
@@ -451,7 +455,7 @@ class Session:
         """
         requester, following = self.requester, None
         if feedback:
-            work = follow_goal(self._station, requester, self._client.reply, number)
+            work = follow_goal(self._station, requester, partial(self._reply, number))
             following = asyncio.ensure_future(work)
         try:
             while (outcome := _outcome_if_over(requester.ends)) is None:
@@ -508,5 +512,7 @@ def _outcome_if_over(ends: list[asyncio.Future[Outcome]]) -> Outcome | None:
     return next((each for each in outcomes if each.code != Code.ARRIVED), outcomes[-1])
 
 
-def _result(number: Any, outcome: Outcome) -> dict[str, Any]:
-    return {"id": number, "code": outcome.code.value, "text": outcome.text}
+def _result(number: Any, outcome: Outcome, **more: bool) -> dict[str, Any]:
+    result = {"id": number, "code": outcome.code.value, "text": outcome.text, **more}
+    data = data_of(outcome)
+    return result if data is None else {**result, "data": data}

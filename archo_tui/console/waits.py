@@ -1,11 +1,12 @@
-"""The conditions of `wait`: `idle`, `arrived`, `ready`, `stopped`, `left 9`, `battery 50`."""
+"""What a client waits for: the conditions of `wait`, and streams of events and of a goal."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from archo_tui.client.protocol import is_valid_timeout
+from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.messages.typed import parse_number
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal
@@ -14,32 +15,25 @@ from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
 from archo_tui.text.goal import remaining_text
 from archo_tui.text.state import no_data_text
+from archo_tui.verbs.as_json import event, state
+from archo_tui.verbs.as_json import goal as goal_data
 from archo_tui.verbs.verb import DISCOVERY_TIME, Verb
 
 WAITS = "idle, arrived, ready, stopped, left N or battery N"
 POLL_PERIOD = 0.05  # Seconds between two checks.
-_Check = Callable[[], Outcome | None]  # Returns None while the condition does not hold yet.
+_FOLLOW_PERIOD = 0.2  # Seconds between two polls: five a second, as on the screen.
+Check = Callable[[], Outcome | None]  # Returns None while the condition does not hold yet.
+Send = Callable[[dict[str, Any]], None]
 
 
-async def wait_for(
-    station: Station,
-    verbs: Mapping[str, Verb],
-    words: Sequence[str],
-    request: Mapping[str, Any],
-    goals_outcome: Callable[[], Outcome | None] | None = None,
-) -> Outcome:
-    """Wait until a condition holds (DONE) or never will (REFUSED), and return the outcome.
-
-    `arrived` and `goals_outcome`, used in place of the words, return the goals' outcome. Nothing is
-    cancelled at a timeout. Raises RequestTimedOut, ValueError.
-    """
-    check = goals_outcome or _check_of(station, verbs, words)
-    timeout, clock = timeout_of(request), station.clock
+async def wait_until(station: Station, check: Check, timeout: float | None) -> Outcome:
+    """Return the outcome of a condition, or RAN_OUT, by which nothing is cancelled."""
+    clock = station.clock
     end = None if timeout is None else clock.monotonic() + timeout
     while (outcome := check()) is None:
         if end is not None and clock.monotonic() >= end:
             drives = station.running_goal is not None
-            raise RequestTimedOut("the robot still drives" if drives else "not yet")
+            return Outcome(Code.RAN_OUT, "the robot still drives" if drives else "not yet")
         await clock.sleep(POLL_PERIOD)
     return outcome
 
@@ -52,12 +46,11 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
     return timeout
 
 
-class RequestTimedOut(ValueError):
-    """The error for a request whose timeout is over; its text tells what is not done."""
+def condition(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> Check:
+    """Return the check for `wait WORDS`, which gives DONE, or REFUSED if it can never hold.
 
-
-def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
-    """Return the function that checks a condition; ValueError if there is no such condition."""
+    ValueError if there is no such condition.
+    """
     robot = station.robot
 
     def idle() -> Outcome | None:
@@ -159,3 +152,34 @@ def _newest_state_of(station: Station, wanted: Goal) -> Goal | None:
     snapshot = station.robot.snapshot
     known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)
     return next((goal for goal in known if goal.number == wanted.number), None)
+
+
+async def follow_events(station: Station, send: Send) -> NoReturn:
+    """Send each event from now on, and the state when its line changes, until cancelled.
+
+    An event that repeats is sent again.
+    """
+    seen = {event.number: event.count for event in station.robot.snapshot.events}
+    line = ""
+    while True:
+        events = station.robot.snapshot.events
+        for new in events:
+            if seen.get(new.number) != new.count:
+                send({"event": event(new)})
+        seen = {event.number: event.count for event in events}
+        current = state(station)
+        if current["line"] != line:
+            line = current["line"]
+            send({"state": current})
+        await station.clock.sleep(_FOLLOW_PERIOD)
+
+
+async def follow_goal(station: Station, requester: Requester, send: Send) -> NoReturn:
+    """Send the state of a goal of `requester` when it changes, but not its end, until cancelled."""
+    last = None
+    while True:
+        current = station.goals.goal_of(requester)
+        if current is not None and current != last:
+            last = current
+            send({"goal": goal_data(current, station.clock.monotonic())})
+        await station.clock.sleep(_FOLLOW_PERIOD)

@@ -29,6 +29,14 @@ class Code(str, Enum):
     NOT_CONFIRMED = "not_confirmed"  # The answer says neither yes nor no.
     WATCHING = "watching"
     MISUSE = "misuse"  # The input is not valid; nothing was sent.
+    # Of what a client of the console requests.
+    RAN_OUT = "ran_out"  # The client's own time is over.
+    LOST = "lost"  # The console ends or restarts, and keeps the goal.
+    # Of what an assistant asks for.
+    ASKED = "asked"  # A person has to decide.
+    DENIED = "denied"
+    EXPIRED = "expired"
+    VOID = "void"
 
 
 _GOOD = (Code.DONE, Code.ACCEPTED, Code.ARRIVED)
@@ -60,14 +68,14 @@ class Answer(Outcome):
 
 
 class Report(Outcome):
-    """The outcome of a verb that found something out, with the findings for programs."""
+    """An outcome with data for programs: what a verb found out, or how a goal ended."""
 
     data: Any  # What the text says, in types that JSON has.
 
     @classmethod
-    def of(cls, text: str, data: Any) -> Report:
-        """Return an outcome of code DONE with a text for people, and data for programs."""
-        made = cls(Code.DONE, text)
+    def of(cls, text: str, data: Any, code: Code = Code.DONE) -> Report:
+        """Return an outcome with a text for people, and data for programs."""
+        made = cls(code, text)
         made.data = data
         return made
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager, suppress
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -65,14 +65,6 @@ class Topics(Verb):
         ]
         lines = [row.as_line for row in rows]
         return Report.of("\n".join(lines) or "nothing on the graph", data)
-
-
-class FollowedMessage(NamedTuple):
-    """A message of a topic that is followed."""
-
-    text: str  # As YAML; "" for a program.
-    data: Any  # As JSON has it; None for a person.
-    left_out: int  # Messages before it that were not shown.
 
 
 class _TopicVerb(Verb):
@@ -135,16 +127,15 @@ class Echo(_TopicVerb):
         self,
         station: Station,
         values: Values,
-        show: Callable[[FollowedMessage], None],
-        note: Callable[[str], None],
+        send: Callable[[dict[str, Any]], None],
         *,
         for_program: bool,
         has_room: Callable[[], bool],
     ) -> NoReturn:
-        """Show each new message of a topic, at most one every PERIOD seconds, until cancelled.
+        """Send each new message of a topic, at most one every PERIOD seconds, until cancelled.
 
-        Messages in between, or while the reader has no room, are left out and counted. `note` gets
-        the reason why none has come for WAIT seconds, once for each silence. Raises ArchoError.
+        Messages in between, or while the reader has no room, are left out and counted. `said` tells
+        why none has come for WAIT seconds, once for each silence. Raises ArchoError.
         """
         clock, fields = station.clock, values.get("field", ())
         async with self.inspect(station, values) as inspection:
@@ -154,17 +145,15 @@ class Echo(_TopicVerb):
             while True:
                 number, data = inspection.newest
                 if number != seen and has_room():
-                    text, json_data = await in_daemon(
-                        _text_or_data, inspection, data, fields, for_program
-                    )
-                    show(FollowedMessage(text, json_data, number - seen - 1))
+                    message = await in_daemon(_shown, inspection, data, fields, for_program)
+                    send({**message, "left_out": number - seen - 1})
                     seen, is_noted, silent_since = number, False, clock.monotonic()
                 now = clock.monotonic()
                 if not is_noted and number == seen and now - silent_since >= WAIT:
                     is_noted = True
                     why = await _silence_outcome(station, inspection.topic, WAIT)
                     if not seen or why.code == Code.NOT_OFFERED:  # Otherwise it is a rare one.
-                        note(why.text)
+                        send({"said": why.text})
                 if now >= refit_at:
                     station.robot.resubscribe_if_needed(inspection)
                     refit_at = now + _REFIT
@@ -202,14 +191,14 @@ def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
     return Outcome(Code.DONE, text)
 
 
-def _text_or_data(
+def _shown(
     inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
-) -> tuple[str, Any]:
-    """Return a message as text and None, or as "" and data; slow: not for the UI thread."""
+) -> dict[str, Any]:
+    """Return a message as `message` or `text`; slow: not for the UI thread."""
     message = inspection.decode(data)
-    if for_program:
-        return "", as_data(message, paths)
-    return as_text(message, paths), None
+    return (
+        {"message": as_data(message, paths)} if for_program else {"text": as_text(message, paths)}
+    )
 
 
 async def _topic_info(station: Station, topic: str) -> TopicInfo:

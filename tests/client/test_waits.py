@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.console.waits import RequestTimedOut, wait_for
+from archo_tui.console.waits import condition, wait_until
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.verbs import verbs
@@ -25,10 +25,8 @@ async def waited(snapshot: Snapshot, words: str) -> Outcome | None:
     station.on_snapshot(snapshot)
     clock.passed = 0.0
     spoken = verbs(snapshot.file, snapshot.forms)
-    try:
-        return await wait_for(station, spoken, words.split(), {"timeout": 0})
-    except RequestTimedOut:
-        return None
+    outcome = await wait_until(station, condition(station, spoken, words.split()), 0)
+    return None if outcome.code is Code.RAN_OUT else outcome
 
 
 @pytest.mark.parametrize("words", ["idle", "ready", "battery 80"])

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.console.waits import RequestTimedOut, wait_for
+from archo_tui.console.waits import condition, wait_until
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
@@ -252,8 +252,8 @@ async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         typed.type("stop\ngo 3\n")
         await typed.until(HOLDS)
-        with pytest.raises(RequestTimedOut):
-            await ended(wait_for(station, spoken, ["ready"], {"timeout": 3.0}))
-        assert (await ended(wait_for(station, spoken, ["stopped"], {"timeout": 3.0}))).ok
+        ready, stopped = (condition(station, spoken, [word]) for word in ("ready", "stopped"))
+        assert (await ended(wait_until(station, ready, 3.0))).code is Code.RAN_OUT
+        assert (await ended(wait_until(station, stopped, 3.0))).ok
         typed.type("release --yes\n")
-        assert (await ended(wait_for(station, spoken, ["ready"], {"timeout": 10.0}))).ok
+        assert (await ended(wait_until(station, ready, 10.0))).ok

@@ -13,7 +13,7 @@ from std_msgs.msg import Float32, Header
 
 import archo_tui
 from archo_tui.robot.outcome import Outcome
-from archo_tui.verbs.topics import Echo, FollowedMessage
+from archo_tui.verbs.topics import Echo
 from archo_tui.verbs.verb import prepare_when_found
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
@@ -181,7 +181,7 @@ async def test_the_subscription_ends_with_its_shell() -> None:
 
 
 async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
-    shown: list[FollowedMessage] = []
+    shown: list[dict[str, Any]] = []
     may_show = False
     async with operated(Talker) as person:
         station = person._plain._station
@@ -194,7 +194,6 @@ async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
                 station,
                 values,
                 shown.append,
-                lambda _: None,
                 for_program=True,
                 has_room=lambda: may_show,
             )
@@ -204,8 +203,8 @@ async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
         assert not shown
         may_show = True
         await until(lambda: shown)
-        assert shown[0].left_out > 20
-        assert shown[0].text == ""
+        assert shown[0]["left_out"] > 20
+        assert "text" not in shown[0]
         following.cancel()
         await until(lambda: not listens("/fast"))
         assert await person.end() == 0
