@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from archo_tui.cli.options import SUBCOMMANDS
-from archo_tui.cli.verb_help import verbs_of_file
+from archo_tui.cli.verb import verbs_of_file
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING, readable_key
 from archo_tui.robot_file import model

@@ -16,14 +16,20 @@ import jsonschema
 import pytest
 
 from archo_tui import cli
-from archo_tui.cli.options import SUBCOMMANDS, console_parser, split_ros_args
-from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.cli.options import (
+    SUBCOMMANDS,
+    OneLineErrorParser,
+    console_parser,
+    split_line,
+    split_ros_args,
+)
 from archo_tui.client import shell as verbs_from_shells
 from archo_tui.commands import keymap, registry
 from archo_tui.commands.base import readable_key
 from archo_tui.commands.replay import replay_commands
 from archo_tui.embedded import parameter_files
 from archo_tui.robot_file.load import default_path, load
+from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES
 from archo_tui.station import alarms
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import YES, named
@@ -161,7 +167,10 @@ def commands(page: Path) -> Iterator[list[str]]:
 def parse_command(words: list[str]) -> None:
     """Raises, or exits with another code than 0, for words that the command line does not take."""
     own, _ = split_ros_args(words)
-    name, *rest = console_parser().parse_args(own).command or [""]
+    parser = console_parser()
+    of_console, command = split_line(own, parser)
+    parser.parse_args(of_console)
+    name, *rest = command or [""]
     if name in SUBCOMMANDS:
         made = OneLineErrorParser(name, "")
         SUBCOMMANDS[name][1](made)
@@ -205,7 +214,7 @@ def options() -> set[str]:
         add_options(made[-1])
     found = {option for parser in made for option in parser._option_string_actions}
     found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
-    return found | {YES}
+    return found | {YES, *VERB_FLAGS, *VERB_VALUES}
 
 
 @each_page

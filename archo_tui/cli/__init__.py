@@ -7,18 +7,43 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
-from archo_tui.cli.dispatch import run_words
-from archo_tui.cli.options import split_ros_args
-from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain
-from archo_tui.cli.restart import command_line
+from archo_tui.cli import chapter, completion, graph, recordings, subcommands
+from archo_tui.cli.console import command_line, run_console
+from archo_tui.cli.launch import launch
+from archo_tui.cli.options import (
+    COMPLETE,
+    SUBCOMMANDS,
+    OneLineErrorParser,
+    console_parser,
+    split_line,
+    split_ros_args,
+)
+from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain, report_lost_output
+from archo_tui.cli.verb import helps, send_stop, send_verb, wrong_option
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
+from archo_tui.robot.stop.words import is_stop_text
 from archo_tui.system import END_SIGNALS
 
 _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
+_RUN: dict[str, Callable[[Namespace], int]] = {
+    "chapter": chapter.write_chapter,
+    "check": subcommands.check,
+    "launch": launch,
+    "keys": subcommands.print_keys,
+    "completions": completion.print_completions,
+    "consoles": subcommands.list_consoles,
+    "mcp": subcommands.serve_assistant,
+    "recordings": recordings.recordings,
+    "replay": recordings.replay,
+    "journal": subcommands.print_journal_path,
+    "robot": graph.describe_robot,
+    "look": graph.look,
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -63,3 +88,66 @@ def main(argv: Sequence[str] | None = None) -> int:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
+
+
+def run_words(words: list[str], ros_args: list[str]) -> int:
+    """Run the subcommand or the verb that the words name, else the console.
+
+    If an option of the console is wrong but one of the words is a STOP, the STOP is sent; the words
+    behind a subcommand are not looked through for one.
+    """
+    if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
+        return completion.print_candidates(words[1:])
+    if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
+        words = [*words[1:2], "--help"]
+    words, arguments = _without_program_arguments(words)
+    is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
+    if is_verb or is_stop_text(" ".join(words)):
+        from archo_tui.client import shell  # Runs quickly, since a prompt may call it.
+
+        report_lost_output()
+        _check_unused(ros_args, words)
+        return shell.run(words, SUBCOMMANDS, helps=helps)
+    parser = console_parser()
+    of_console, command = split_line(words, parser)
+    name = command[0] if command else ""
+    try:
+        options = parser.parse_args(of_console)
+        if name[:1] == "-":
+            raise ArchoError(f"{name} is for a verb: archo-tui VERB --help says which")
+        if name and name not in SUBCOMMANDS and (wrong := wrong_option(name, options, parser)):
+            raise ArchoError(wrong)
+    except ArchoError as error:
+        at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
+        if at is None:
+            raise
+        report_lost_output()
+        stop = command if is_stop_text(name) else words[at:]
+        return send_stop(stop, words[:at], str(error), parser)
+    if not name:
+        options.program_arguments = arguments
+        return run_console(options, ros_args)
+    if name != "mcp":  # mcp uses standard output for its protocol.
+        report_lost_output()
+    _check_unused(ros_args, command)
+    if name not in SUBCOMMANDS:
+        return send_verb(command, options)
+    what, add_options = SUBCOMMANDS[name]
+    subparser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
+    add_options(subparser)
+    # Some of the console's options are the subcommand's too.
+    return _RUN[name](subparser.parse_intermixed_args([*of_console, *command[1:]]))
+
+
+def _without_program_arguments(words: list[str]) -> tuple[list[str], list[str]]:
+    """Split `--node FILE -- ARG ...` at its `--`; without a `--node` before it nothing is split."""
+    at = words.index("--") if "--" in words else len(words)
+    if any(word.partition("=")[0] in ("--node", "--run") for word in words[:at]):
+        return words[:at], words[at + 1 :]
+    return words, []
+
+
+def _check_unused(ros_args: list[str], verb: list[str]) -> None:
+    """Refuse ROS arguments before a verb, which they would not change; a STOP goes on."""
+    if ros_args and not is_stop_text(" ".join(verb)):
+        raise ArchoError(f"--ros-args is for the console, not for {verb[0]}")

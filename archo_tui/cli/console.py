@@ -6,14 +6,13 @@ import gc
 import os
 import sys
 from argparse import Namespace
+from collections.abc import Sequence
 from functools import partial
 from io import StringIO
 
 from archo_tui import __version__
-from archo_tui.cli.options import ENGINES
+from archo_tui.cli.options import ENGINES, split_ros_args
 from archo_tui.cli.output import FAILED, complain
-from archo_tui.cli.restart import use_namespace
-from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 
@@ -29,6 +28,10 @@ if TYPE_CHECKING:
 # Crashes of the screen in a row after which the program ends. One that a person's key led to can be
 # avoided by that person, and must not end a console that drives.
 _MOST_FAILURES = 3
+_added: list[str] = []  # Options that take the place of those that were typed, at a restart.
+# Variables for Textual's developers, which press keys or end the app, and a size that may not be
+# the terminal's. A shell exports them to every program.
+_FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", "LINES")
 
 
 def run_console(options: Namespace, ros_args: list[str], launch: Launch | None = None) -> int:
@@ -143,7 +146,7 @@ def _restart(session: Session, stdin: TextIO | None) -> None:
     assert left is not None
     give(left)
     if session.station.next_namespace and not left.stop:
-        use_namespace(session.station.next_namespace)
+        _added[:] = ["--namespace", session.station.next_namespace]
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
@@ -267,3 +270,45 @@ def _textual_version() -> str:
             if name.startswith("textual-") and name.endswith(".dist-info"):
                 return name.removeprefix("textual-").removesuffix(".dist-info")
     return "not installed by its package"
+
+
+def command_line(given: Sequence[str]) -> list[str]:
+    """Return the command line that starts the console again, in the chosen namespace."""
+    own, ros_args = split_ros_args(given)
+    ros = ["--ros-args", *ros_args] if ros_args else []
+    return [sys.executable, *_this_program(), *own, *_added, *ros]
+
+
+def _this_program() -> list[str]:
+    """Return the arguments with which Python runs this program: its zip file, or `-m archo_tui`."""
+    from zipfile import is_zipfile
+
+    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
+
+
+def require_terminal(stdin: TextIO | None) -> None:
+    """Unset variables that would disturb a screen; raise ArchoError unless one can be shown.
+
+    Call it before Textual is imported, which reads these environment variables once.
+    """
+    for name in _FOREIGN:
+        os.environ.pop(name, None)
+    term = os.environ.get("TERM", "")
+    if term in ("", "dumb", "unknown"):
+        term_text = f"TERM is {term}" if term else "TERM is not set"
+        raise ArchoError(f"{term_text}: this terminal cannot show a screen, use --plain")
+    streams = {"stdin": stdin, "stdout": sys.stdout}
+    if sys.platform != "win32":  # Textual's driver for POSIX draws on standard error.
+        streams["stderr"] = sys.__stderr__
+    for name, stream in streams.items():
+        if stream is None or not stream.isatty():  # None if it is closed.
+            raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
+        if _device(stream) != _device(stdin or stream):
+            raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")
+
+
+def _device(stream: TextIO) -> int:
+    """Return a terminal's device number, as a container may not know its name; 0 on Windows."""
+    if sys.platform == "win32":
+        return 0
+    return os.fstat(stream.fileno()).st_rdev

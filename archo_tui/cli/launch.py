@@ -35,7 +35,7 @@ def launch(options: Namespace) -> int:
             print(safe(line))
         return 0
     chosen = Launch(file, parse_arguments(options.arguments))
-    console = vars(console_parser(takes_command=False).parse_args(["--only"])) | vars(options)
+    console = vars(console_parser().parse_args(["--only"])) | vars(options)
     try:
         return run_console(Namespace(**console), [], chosen)
     except NothingRunsError as error:

@@ -1,17 +1,18 @@
-"""The options of the console and of each subcommand."""
+"""The options of the console and of each subcommand, and the parser whose errors are one line."""
 
 from __future__ import annotations
 
 import argparse
-from argparse import Namespace
+import os
 from collections.abc import Callable, Sequence
+from itertools import islice
 
-from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, NoReturn
 
 COMPLETE = "__complete"  # The hidden command of completion scripts; cobra's has the same name.
 ENGINES = ("embedded", "ros2")
@@ -28,7 +29,7 @@ commands (archo-tui COMMAND --help says more):
 """
 
 
-def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
+def console_parser() -> OneLineErrorParser:
     """Return the parser of the console's options, for words without ROS's own."""
     commands = "".join(f"  {name:<12} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
     parser = OneLineErrorParser(
@@ -40,8 +41,6 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
         add_help=False,  # it stands in the last group
     )
     parser.set_defaults(program_arguments=())  # `--node FILE -- ARG ...`
-    if takes_command:
-        _add_verb(parser)
     parser.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
         f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own. A verb is sent to the console "
@@ -55,18 +54,25 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_verb(parser: argparse._ActionsContainer) -> None:
-    """Have a parser take a verb as `command`, and, hidden from `--help`, options before it."""
-    parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-    for name in (*VERB_VALUES, *VERB_FLAGS):
-        parser.add_argument(
-            name,
-            action=_VerbOption,
-            nargs=0 if name in VERB_FLAGS else None,
-            dest="verb_options",
-            default=[],
-            help=argparse.SUPPRESS,
-        )
+def split_line(words: Sequence[str], parser: OneLineErrorParser) -> tuple[list[str], list[str]]:
+    """Split a line into options of the console, and a subcommand or verb with all words behind it.
+
+    Options of a verb that stand before it are put behind it; without a verb they stand alone.
+    """
+    actions = parser._option_string_actions
+    takes_value = {*VERB_VALUES, *(name for name, each in actions.items() if each.nargs is None)}
+    console: list[str] = []
+    of_verb: list[str] = []
+    remaining = iter(words)
+    for word in remaining:
+        name, equals, _ = word.partition("=")
+        if word[:1] != "-":
+            return console, [word, *remaining, *of_verb]
+        group = of_verb if name in (*VERB_VALUES, *VERB_FLAGS) else console
+        group.append(word)
+        if name in takes_value and not equals:
+            group += islice(remaining, 1)
+    return console, of_verb
 
 
 def _node_options(group: argparse._ArgumentGroup) -> None:
@@ -170,14 +176,6 @@ def _about_options(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="print the versions, the engine and TERM, for reports",
     )
-
-
-class _VerbOption(argparse.Action):
-    """The argparse action that appends an option of a verb, typed before it, to `verb_options`."""
-
-    def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
-        given = [value] if isinstance(value, str) else []
-        options.verb_options = [*options.verb_options, str(option), *given]
 
 
 def _megabytes(text: str) -> int:
@@ -333,7 +331,57 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-# The help and the options of each subcommand; dispatch.py has the function that runs it.
+class OneLineErrorParser(argparse.ArgumentParser):
+    """An argument parser that raises an ArchoError of one line where others print and exit."""
+
+    def __init__(self, prog: str, description: str, **more: Any) -> None:
+        width = _columns() - 2  # As in argparse, which imports all of shutil for it.
+        super().__init__(
+            prog=prog,
+            description=description,
+            allow_abbrev=False,  # A typo is an error, and not another option.
+            formatter_class=lambda prog: _Formatter(prog, width=width),
+            **more,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        raise ArchoError(f"{message}{self._nearest(message)} (see {self.prog} --help)")
+
+    def _nearest(self, message: str) -> str:
+        """Return `, nearest: --node` for the first option that an error calls unknown, or ""."""
+        wrong = message.partition("unrecognized arguments: ")[2].split()
+        typed = next((word.partition("=")[0] for word in wrong if word.startswith("--")), "")
+        if not typed:
+            return ""
+        from archo_tui.nearest import nearest
+
+        known = [option for action in self._actions for option in action.option_strings]
+        near = nearest(typed, known)
+        return f", nearest: {near}" if near else ""
+
+
+class _Formatter(argparse.HelpFormatter):
+    """A help formatter that leaves indented lines of a text unchanged."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        lines = text.splitlines()
+        fill = super()._fill_text
+        return "\n".join(
+            line if not line or line[0] == " " else fill(line, width, indent) for line in lines
+        )
+
+
+def _columns() -> int:
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns):
+        return int(columns)
+    try:
+        return os.get_terminal_size(1).columns or 80
+    except OSError:
+        return 80
+
+
+# The help and the options of each subcommand; `cli.__init__` has the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
     "chapter": ("write the chapter's files to start from", _chapter_options),
     "check": ("check nodes as the textbook's chapter asks", _check_options),

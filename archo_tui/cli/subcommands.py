@@ -57,14 +57,6 @@ def print_keys(options: Namespace) -> int:
     return 0
 
 
-def print_completions(options: Namespace) -> int:
-    """Print the completion script of a shell, and return 0."""
-    from archo_tui.cli.completions import completion_script
-
-    print(completion_script(options.shell))
-    return 0
-
-
 def list_consoles(options: Namespace) -> int:
     """Print the consoles that run here; return 0 if there are any and all answer properly."""
     from archo_tui.client.shell import print_consoles
@@ -84,19 +76,6 @@ def serve_assistant(options: Namespace) -> int:
     if sys.stdin.isatty():
         complain("mcp is started by an assistant's program, which speaks on standard input")
     serve(goals=options.allow == "goals", to=options.to)
-    return 0
-
-
-def recordings(options: Namespace) -> int:
-    """Print a line for each recording of the black box, or for each one that is deleted."""
-    from archo_tui.recordings import store
-
-    if options.delete:
-        for line in store.delete_named(options.delete):
-            print(safe(line))
-        return 0
-    for line in store.listing(as_json=options.json):
-        print(safe(line))
     return 0
 
 

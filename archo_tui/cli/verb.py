@@ -1,4 +1,4 @@
-"""A verb that is typed behind options of the console, such as `archo-tui --engine ros2 go 12`."""
+"""A verb from the command line, also one behind options of the console."""
 
 from __future__ import annotations
 
@@ -6,52 +6,42 @@ import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
-from archo_tui.cli.options import ENGINES, SUBCOMMANDS
+from archo_tui.cli.options import ENGINES, SUBCOMMANDS, OneLineErrorParser
 from archo_tui.cli.output import complain
-from archo_tui.cli.verb_help import helps
-from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest
-from archo_tui.robot.stop.words import is_stop_text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from pathlib import Path
     from typing import Any
+
+    from archo_tui.verbs.verb import Verb
 
 _ROBOT_OPTIONS = ("--engine", "--namespace", "--robot")  # Options that say which robot is meant.
 
 
-def send_verb(options: Namespace, parser: ArgumentParser, words: Sequence[str]) -> int:
-    """Send a verb that stands after options of the console, and print its result.
+def send_verb(words: Sequence[str], options: Namespace) -> int:
+    """Send a verb, and with `--engine ros2` to the robot itself if no console runs."""
+    return _send(words, options, {"engine": options.engine, "to": options.namespace})
+
+
+def wrong_option(verb: str, options: Namespace, parser: ArgumentParser) -> str:
+    """Return why a verb cannot stand after the console's options that were typed, or "".
 
     Only `--engine` and `--namespace`, which say where a console is looked for, are allowed, and
-    `--robot` with `--engine ros2`: if no console runs, the verb goes to the robot itself. Other
-    options raise ArchoError, but a STOP is sent all the same.
+    `--robot` with `--engine ros2`.
     """
-    typed = [*options.command, *options.verb_options]
-    wrong = _wrong_option(options, parser)
-    if wrong and is_stop_text(typed[0]):
-        return send_stop(typed, words[: -len(options.command)], wrong, parser)
-    if wrong:
-        raise ArchoError(wrong)
-    return _send(typed, options, {"engine": options.engine, "to": options.namespace})
-
-
-def _wrong_option(options: Namespace, parser: ArgumentParser) -> str:
-    """Return why a verb cannot stand after the options that were typed, or ""."""
     if options.engine and options.engine not in ENGINES:
         return f"--engine {options.engine}: there are {' and '.join(ENGINES)}"
-    allowed = ["command", "verb_options", "namespace", "engine"]
-    if options.engine == "ros2":
-        allowed.append("robot")
+    allowed = ["namespace", "engine", *(["robot"] if options.engine == "ros2" else [])]
     for name, value in vars(options).items():
         if name not in allowed and value != parser.get_default(name):
-            option = name.replace("_", "-")
-            return f"--{option} is for the console, not for {options.command[0]}"
+            return f"--{name.replace('_', '-')} is for the console, not for {verb}"
     return ""
 
 
 def send_stop(
-    stop: Sequence[str], before: Sequence[str], wrong: str, parser: ArgumentParser
+    stop: Sequence[str], before: Sequence[str], wrong: str, parser: OneLineErrorParser
 ) -> int:
     """Send a STOP that stands behind wrong options, and print the result.
 
@@ -59,7 +49,7 @@ def send_stop(
     console confirms the STOP.
     """
     complain(f"{wrong}: trying to send STOP anyway")
-    known = [option for action in parser._actions for option in action.option_strings]
+    known = parser._option_string_actions
     corrected = []
     for word in before:
         name, equals, value = word.partition("=")
@@ -78,7 +68,7 @@ def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> i
     """Send a verb to a console, and with `--engine ros2` to the robot itself if none runs."""
     from pathlib import Path
 
-    from archo_tui.client.shell import run
+    from archo_tui.client.shell import run  # Runs quickly, since a prompt may call it.
 
     if given.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant, helps=helps)
@@ -96,3 +86,24 @@ def _domain() -> int:
     """Return the ROS 2 domain of this process; 0 for no number, which ROS 2 itself refuses."""
     text = os.environ.get("ROS_DOMAIN_ID", "").strip()
     return int(text) if text.isdecimal() else 0
+
+
+def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
+    """Return a robot's verbs by id; fields of goals count as int32, as no interface is read."""
+    from archo_tui.robot.messages.types import TypedField
+    from archo_tui.robot_file.load import default_path, load
+    from archo_tui.verbs import verbs
+
+    robot = load(path or default_path())
+    return verbs(
+        robot,
+        {goal.id: [TypedField(path, "int32", 0) for path in goal.form] for goal in robot.goals},
+    )
+
+
+def helps(path: Path | None = None) -> dict[str, str]:
+    """Return the help of each verb of a robot file, by what is typed. Raises ArchoError."""
+    from archo_tui.client.options import help_with_options
+
+    known = verbs_of_file(path).values()
+    return {verb.id: help_with_options(verb.id, verb.help_line, verb.options) for verb in known}

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.cli import main
-from archo_tui.cli.completions import completion_script
+from archo_tui.cli.completion import completion_script
 from archo_tui.console import session
 from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.cli.look import domains_text
+from archo_tui.cli.graph import domains_text
 
 
 def test_each_domain_with_nodes_is_a_line_with_how_to_start_there() -> None:

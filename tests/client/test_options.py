@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.cli.verb_help import helps, verbs_of_file
+from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from archo_tui.client.connection import Connection
 from archo_tui.errors import ArchoError

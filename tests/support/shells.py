@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 from archo_tui.cli.options import SUBCOMMANDS
-from archo_tui.cli.verb_help import helps
+from archo_tui.cli.verb import helps
 from archo_tui.client import shell, sockets
 from tests.support.console import AT_ONCE
 from tests.support.plain import Typed, operated

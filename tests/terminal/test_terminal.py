@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.cli.terminal import require_terminal
+from archo_tui.cli.console import require_terminal
 from archo_tui.errors import ArchoError
 from archo_tui.paths import journal_file
 from tests.support.night import corners

@@ -1,12 +1,12 @@
-"""`archo-tui replay`: a recording on the screen, or as text."""
+"""The subcommands for recordings: the list of them, and `replay` on the screen or as text."""
 
 from __future__ import annotations
 
 import sys
 from argparse import Namespace
 
+from archo_tui.cli.console import require_terminal
 from archo_tui.cli.output import complain
-from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 
@@ -60,3 +60,16 @@ def replay(options: Namespace) -> int:
     if app.failure:
         complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
     return app.return_code or 0
+
+
+def recordings(options: Namespace) -> int:
+    """Print a line for each recording of the black box, or for each one that is deleted."""
+    from archo_tui.recordings import store
+
+    if options.delete:
+        for line in store.delete_named(options.delete):
+            print(safe(line))
+        return 0
+    for line in store.listing(as_json=options.json):
+        print(safe(line))
+    return 0

@@ -1,4 +1,4 @@
-"""The subcommand `look`, which tries the ROS 2 domains for nodes."""
+"""The subcommands for the ROS 2 graph: `look` for nodes, and `robot`, which writes a robot file."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ import time
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
 
-from archo_tui.cli.output import FAILED
+from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.safe_text import safe
+
+TYPE_CHECKING = False  # Importing typing takes longer than a short command.
+if TYPE_CHECKING:
+    from archo_tui.station.station import Station
 
 _DOMAINS = range(21)  # ROS_DOMAIN_ID 0 to 20: those that people choose by hand.
 _DISCOVERY = 3.0  # Seconds in which nodes answer.
@@ -84,3 +88,65 @@ def domains_text(found: Mapping[int, Sequence[str]]) -> str:
 def _nodes(nodes: Sequence[str]) -> str:
     named = ", ".join(nodes[:_NAMED])
     return f"{named} and {len(nodes) - _NAMED} more" if len(nodes) > _NAMED else named
+
+
+_SETTLING = 2.0  # Seconds in which further nodes are discovered after the first one.
+_POLLING_PERIOD = 0.05  # Seconds.
+
+
+def describe_robot(options: Namespace) -> int:
+    """Print a robot file for the robot on the ROS 2 graph, or write it to a new file.
+
+    It listens for some seconds, and sends nothing to the robot.
+    """
+    import asyncio
+    from pathlib import Path
+
+    from archo_tui.parameters.save_load import write_atomically
+    from archo_tui.robot_file.propose import SeveralRobots
+    from archo_tui.session import Session
+    from archo_tui.session_options import Options
+
+    if options.engine != "ros2":
+        raise ArchoError("robot looks at a ROS 2 graph, which the embedded engine has not")
+    path = Path(options.out) if options.out else None
+    if path is not None and os.path.lexists(path):
+        raise ArchoError(f"{path} already exists: name another file")
+    try:
+        with Session(
+            Options(engine="ros2", attach=True, watch=True, namespace=options.namespace)
+        ) as session:
+            text = asyncio.run(_wait_for_robot_file(session.station))
+    except SeveralRobots as error:
+        raise ArchoError(f"{error}: name one with --namespace") from None
+    except TimeoutError:
+        complain("the console's own node does not answer")
+        return FAILED
+    if not text:
+        return FAILED
+    if path is None:
+        print("\n".join(map(safe, text.splitlines())))
+    else:
+        write_atomically(path, text)
+        print(safe(f"Written to {path}. Check every line: nothing in it was tried."))
+    return 0
+
+
+async def _wait_for_robot_file(station: Station) -> str:
+    """Wait for a robot, listen to it, and return a robot file for it; "" if none is found."""
+    import asyncio
+
+    from archo_tui.text.state import elsewhere_text
+    from archo_tui.verbs.topics import robot_file_text
+    from archo_tui.verbs.verb import ROBOT_TIMEOUT
+
+    while not station.robot.snapshot.nodes and station.age < ROBOT_TIMEOUT:
+        await asyncio.sleep(_POLLING_PERIOD)
+    snapshot = station.robot.snapshot
+    if not snapshot.nodes:
+        others = elsewhere_text(snapshot)
+        where = f"in namespace {snapshot.namespace}: {others}" if others else station.unseen
+        complain(f"no robot is {where}")
+        return ""
+    await asyncio.sleep(_SETTLING)
+    return await robot_file_text(station)

@@ -1,17 +1,33 @@
-"""The script by which a shell completes the words of this program."""
+"""The completion of a shell's words: the script, and `archo-tui __complete WORD ...` that it calls.
+
+That takes half a second at most, prints nothing without an answer, and changes nothing on the
+robot. So it imports neither shtab nor verbs.
+"""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+import contextlib
+import re
+import sys
+from collections.abc import Iterable, Sequence
 
-import shtab
+from archo_tui.cli.options import (
+    COMPLETE,
+    ENGINES,
+    SUBCOMMANDS,
+    OneLineErrorParser,
+    console_parser,
+)
+from archo_tui.cli.verb import verbs_of_file
+from archo_tui.client import find
+from archo_tui.client.connection import Unreached
+from archo_tui.errors import ArchoError
+from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES
 
-from archo_tui.cli.options import COMPLETE, ENGINES, SUBCOMMANDS, console_parser
-from archo_tui.cli.parser import OneLineErrorParser
-from archo_tui.cli.verb_help import verbs_of_file
-from archo_tui.client.options import options_of
-from archo_tui.verbs.verb import Argument
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from archo_tui.verbs.verb import Argument
 
 # The names of the functions have `file` in them where shtab shall complete file names.
 _BASH = f"""\
@@ -53,9 +69,19 @@ _ASK_OR_FILE = {
 }
 
 
+def print_completions(options: argparse.Namespace) -> int:
+    """Print the completion script of a shell, and return 0."""
+    print(completion_script(options.shell))
+    return 0
+
+
 def completion_script(shell: str) -> str:
     """Return the completion script of bash, zsh or fish, which asks `archo-tui __complete`."""
-    parser = console_parser(takes_command=False)
+    import shtab
+
+    from archo_tui.client.options import options_of
+
+    parser = console_parser()
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
     _add_completers(parser)
     for name, (what, add_options) in SUBCOMMANDS.items():
@@ -87,6 +113,8 @@ def _with_repeated_words(script: str) -> str:
 
 def _add_completers(parser: argparse.ArgumentParser) -> None:
     """Tell shtab how the values of a parser's options are completed."""
+    import shtab
+
     for action in parser._actions:
         if action.metavar in ("FILE", "PATH"):
             action.complete = shtab.FILE  # type: ignore[attr-defined]
@@ -110,6 +138,8 @@ def _add_options(parser: argparse.ArgumentParser, options: Iterable[tuple[str, s
 
 
 def _add_argument(parser: argparse.ArgumentParser, argument: Argument) -> None:
+    import shtab
+
     if argument.takes:  # Among the options, with what it does.
         return
     if argument.is_flag:
@@ -118,3 +148,38 @@ def _add_argument(parser: argparse.ArgumentParser, argument: Argument) -> None:
     nargs = "*" if argument.many or argument.rest else None
     action = parser.add_argument(argument.name.replace("=", "_"), nargs=nargs)
     action.complete = shtab.FILE if argument.name == "file" else _ASK  # type: ignore[attr-defined]
+
+
+_TIMEOUT = 0.25  # Seconds, twice: for the hello of a console, and for its answer.
+# A robot chooses the names on its graph. A word that a shell could read as anything but itself is
+# not offered.
+_PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
+
+
+def print_candidates(words: Sequence[str]) -> int:
+    """Print the words that may follow, except those that a shell interprets, and return 0."""
+    with contextlib.suppress(argparse.ArgumentError, Unreached, ArchoError, OSError, ValueError):
+        for word in _candidates(words):
+            if _PLAIN_WORD.fullmatch(word):
+                sys.stdout.write(f"{word}\n")
+    return 0
+
+
+def _candidates(words: Sequence[str]) -> Iterable[str]:
+    *before, unfinished = words
+    if before[:1] in (["replay"], ["recordings"]):
+        from archo_tui.recordings.store import own_recordings
+
+        return [recording.name for recording in own_recordings()]
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    for option in (*VERB_VALUES, "--engine", "--namespace"):
+        parser.add_argument(option, default="")
+    for flag in (*VERB_FLAGS, "--yes"):
+        parser.add_argument(flag, action="store_true")
+    options, line = parser.parse_known_args(before)
+    selection = {"to": options.to or options.namespace, "engine": options.engine}
+    with contextlib.closing(find.choose(selection, _TIMEOUT)) as console:
+        for said in console.request(_TIMEOUT, complete=[*line, unfinished]):
+            if isinstance(said.get("data"), list):
+                return [word for word in said["data"] if isinstance(word, str)]
+    return ()
