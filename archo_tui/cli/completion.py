@@ -79,7 +79,7 @@ def completion_script(shell: str) -> str:
     """Return the completion script of bash, zsh or fish, which asks `archo-tui __complete`."""
     import shtab
 
-    from archo_tui.client.options import options_of
+    from archo_tui.client.shell import options_of
 
     parser = console_parser()
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)

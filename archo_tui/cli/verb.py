@@ -103,7 +103,7 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
 
 def helps(path: Path | None = None) -> dict[str, str]:
     """Return the help of each verb of a robot file, by what is typed. Raises ArchoError."""
-    from archo_tui.client.options import help_with_options
+    from archo_tui.client.shell import help_with_options
 
     known = verbs_of_file(path).values()
     return {verb.id: help_with_options(verb.id, verb.help_line, verb.options) for verb in known}
