@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from typing import Any
 
 import pytest
 
@@ -58,29 +59,27 @@ async def test_events_are_the_newest_with_their_age_from_a_level_on() -> None:
 
 
 async def test_history_is_numbers_with_their_age_and_ends_of_goals() -> None:
-    lines = [
-        "charge (%): now 87.20, 1 min ago 87.90",
-        "speed: now -0.50, 1 min ago 0.00, 10 min ago 0.80",
-        "arrived at shelf 12: 3, 4",
-    ]
+    ages = (0.0, 60.0, 600.0, 3600.0)
+
+    def readings(*values: float | None) -> list[dict[str, Any]]:
+        return [{"age": age, "value": value} for age, value in zip(ages, values, strict=False)]
+
+    goals = [{"kind": "go", "name": "shelf 12", "phase": "ARRIVED", "code": "arrived"}]
+    data = {
+        "charge": {"unit": "%", "readings": readings(87.2, 87.9, None, None)},
+        "speed": {"unit": None, "readings": readings(-0.5, 0.0, 0.8, 0.8)},
+        "goals": goals,
+    }
     async with fake_console() as console, assistant() as model:
-        console.answer("history", "done", "\n".join(lines))
+        console.answer("history", "done", "charge (%): now 87.20", data=data)
         said = await model.call("history", minutes=10)
         assert said.robot == {
             "source": "measured",
             "values": {
-                "charge (%)": [
-                    {"age": 0.0, "value": 87.2},
-                    {"age": 60.0, "value": 87.9},
-                    {"age": 600.0, "value": None},
-                ],
-                "speed": [
-                    {"age": 0.0, "value": -0.5},
-                    {"age": 60.0, "value": 0.0},
-                    {"age": 600.0, "value": 0.8},
-                ],
+                "charge": {"unit": "%", "readings": readings(87.2, 87.9, None)},
+                "speed": {"unit": None, "readings": readings(-0.5, 0.0, 0.8)},
             },
-            "goals": ["arrived at shelf 12: 3, 4"],
+            "goals": goals,
         }
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import re
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
@@ -54,8 +53,6 @@ _ENDS = {
     "Call `wait` again.",
 }
 _MAX_EVENTS, _SEARCHED_EVENTS = 50, 500  # In one answer; requested if only some are wanted.
-_SPANS = (1, 10, 60)  # In min; the console tells the values at these ages.
-_VALUE = re.compile(r"(?:now|(\d+) min ago) (-?\d+\.\d+)$")
 _SLICE, _MIN_SLICE = 1.0, 0.1  # Seconds of one request to wait, so that other calls get a turn.
 _LIST_TIMEOUT = 2.0  # Seconds in which clients want a list of tools.
 _MAX_SCHEMAS = 16 * 1024  # Characters of all goals in the list of tools.
@@ -219,17 +216,14 @@ class Tools:
         the last goals ended. `age` is in s; a value of null was not heard at that time.
         """
         result = await self._read("history")
-        measured, ends = {}, []
-        for text in str(result.get("text", "")).splitlines():
-            name, _, rest = text.partition(": ")
-            found = [_VALUE.match(part) for part in rest.split(", ")]
-            known = {int(match[1] or 0): float(match[2]) for match in found if match is not None}
-            if None not in found:
-                ages = (age for age in (0, *_SPANS) if age <= minutes)
-                measured[name] = [{"age": 60.0 * age, "value": known.get(age)} for age in ages]
-            else:
-                ends.append(text)
-        data = {"source": "measured", "values": measured, "goals": ends}
+        found = result.get("data")
+        found = dict(found) if isinstance(found, dict) else {}
+        ends, values = found.pop("goals", []), {}
+        for name, measured in found.items():
+            readings = _objects({"data": measured["readings"]})
+            shown = [each for each in readings if each["age"] <= 60 * minutes]
+            values[name] = {"unit": measured["unit"], "readings": shown}
+        data = {"source": "measured", "values": values, "goals": ends}
         summary = f"The last {minutes} min, and how the last goals ended."
         return self._answer(result, summary, data)
 
