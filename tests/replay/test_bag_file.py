@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import sys
 from pathlib import Path
 from textwrap import dedent
@@ -393,10 +394,21 @@ def test_no_chunk_is_opened_to_know_what_a_bag_holds(
     found = BagFile(path)
     assert (found.start, found.end, found.count) == (START, START + 19.9, 200)
     assert len(found.types) == 4
-    assert len(opened) == (2 if cut else 0)  # where the channels are described
+    assert len(opened) == 2  # where the channels are described
     before = len(opened)
     assert len(list(found.messages(START + 9, START + 9.1, found.types))) == 2
     assert len(opened) == before + 1
+
+
+def test_a_robot_file_behind_a_chunk_is_read(tmp_path: Path) -> None:
+    name, data = b"robot.yaml", b"name: X\n"
+    attached = struct.pack("<QQI", 1, 1, len(name)) + name + struct.pack("<I", 0)
+    attached += struct.pack("<Q", len(data)) + data + bytes(4)
+    second = channel(2, 1, "/other")
+    packed = chunk(message(1, 1, log("good")))
+    found = BagFile(logs(tmp_path / "a.mcap", packed, record(9, attached), packed, second))
+    assert (found.robot, set(found.types)) == ("name: X\n", {"/rosout", "/other"})
+    assert (found.count, found.faults) == (2, [])
 
 
 def test_a_summary_that_is_damaged_is_not_believed(tmp_path: Path) -> None:
@@ -571,7 +583,7 @@ def test_a_disk_that_fails_is_said_in_one_line(
         assert read(found) == []
     assert found.faults == ["a.mcap: Input/output error"]
     with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.recordings.replay.mcap_file._read_summary", fail)
+        patch.setattr("archo_tui.recordings.replay.mcap_file._Scan.run", fail)
         assert BagFile(path).faults == ["a.mcap: Input/output error: the rest is left out"]
 
 

@@ -22,7 +22,6 @@ from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.messages.definitions import definition
 from tests.replay.bags import (
     ALWAYS,
-    MAGIC,
     channel,
     chunk,
     drive,
@@ -342,70 +341,6 @@ def test_definitions_that_contain_themselves_have_an_end(tmp_path: Path) -> None
     found = BagFile(logs(tmp_path / "a.mcap", *parts, GOOD))
     assert words(found) == ["good"]
     assert len(found.faults) == 2
-
-
-def test_a_summary_that_lies_gives_no_more_than_is_there(tmp_path: Path) -> None:
-    start = logs(tmp_path / "a.mcap", GOOD, chunk(GOOD, start=1)).read_bytes()
-    real = start.index(chunk(GOOD, start=1))
-    places = [*([real] * 1000), 8, 9, len(start) - 20, 0, real + 1]
-    indexes = [
-        record(8, struct.pack("<QQQQ", 0, 2**64 - 1, place, size) + bytes(24))
-        for place in places
-        for size in (len(chunk(GOOD)), 11)
-    ]
-    known = schema(1, "rcl_interfaces/msg/Log", definition(Log)) + channel(1, 1, "/rosout")
-    number = len(set(places))
-    for count, first in ((number, 0), (number, 2**64 - 1), (2**32 - 1, 0)):
-        counts = struct.pack("<QHIIIIQQI", 2**64 - 1, 1, 1, 0, 0, count, first, 2**63, 0)
-        summary = b"".join([known, record(11, counts), *indexes])
-        foot = record(2, struct.pack("<QQI", len(start), 0, 0))
-        (tmp_path / "b.mcap").write_bytes(start + summary + foot + MAGIC)
-        found = BagFile(tmp_path / "b.mcap")
-        assert words(found) in (["good"], ["good", "good"], [])
-        assert found.start <= found.end
-        assert len(found.faults) < 20
-
-
-def summed_up(path: Path, data: bytes, *indexes: bytes, chunks: int, attached: int = 0) -> Path:
-    """A file whose summary says that of it."""
-    known = schema(1, "rcl_interfaces/msg/Log", definition(Log)) + channel(1, 1, "/rosout")
-    counts = struct.pack("<QHIIIIQQI", 1, 1, 1, attached, 0, chunks, 1, 9, 0)
-    foot = record(2, struct.pack("<QQI", len(data), 0, 0))
-    path.write_bytes(b"".join([data, known, record(11, counts), *indexes, foot, MAGIC]))
-    return path
-
-
-def test_what_a_summary_points_at_is_looked_at(tmp_path: Path) -> None:
-    packed = chunk(GOOD, start=1)
-    data = logs(tmp_path / "a.mcap", GOOD, packed).read_bytes()
-    place, other = data.index(packed), data.index(GOOD)
-    right = record(8, struct.pack("<QQQQ", 1, 9, place, len(packed)))
-    longer = record(8, struct.pack("<QQQQ", 1, 9, place, len(packed) + 9))
-    message_there = record(10, struct.pack("<QQ", other, len(GOOD)))
-    found = BagFile(summed_up(tmp_path / "b.mcap", data, right, chunks=1))
-    assert (words(found), found.faults) == (["good"], [])
-    found = BagFile(summed_up(tmp_path / "b.mcap", data, longer, chunks=1))
-    assert words(found) == []
-    assert found.faults == [f"b.mcap: the chunk at {place} bytes: damaged"]
-    ghost = channel(9, 1, "/ghost")
-    found = BagFile(summed_up(tmp_path / "b.mcap", data, right, ghost, chunks=1))
-    assert set(found.types) == {"/rosout"}
-    path = summed_up(tmp_path / "b.mcap", data, right, message_there, chunks=1, attached=1)
-    found = BagFile(path)
-    assert (words(found), found.count, found.faults) == (["good"], 1, [])
-
-
-@pytest.mark.night
-def test_a_summary_of_a_million_chunks_costs_little(tmp_path: Path) -> None:
-    data = logs(tmp_path / "a.mcap", GOOD).read_bytes()
-    many = (record(8, struct.pack("<QQQQ", 0, 1, n, 11)) for n in range(700_000))
-    path = summed_up(tmp_path / "b.mcap", data, b"".join(many), chunks=700_000)
-
-    def work() -> None:
-        found = BagFile(path)
-        assert (words(found), found.faults) == (["good"], [])
-
-    assert peak(work) < MOST_MEMORY
 
 
 def test_of_many_chunks_as_many_are_known_as_fit(

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from io import BytesIO
-from itertools import islice
 from struct import Struct
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
@@ -32,18 +30,13 @@ _WINDOW = 2**26  # Bytes that zstd may look back; its own writers ask for 8 MB a
 _ROBOT = "robot.yaml"
 
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _MESSAGE_INDEX = range(1, 8)
-_CHUNK_INDEX, _ATTACHMENT, _ATTACHMENT_INDEX, _STATISTICS = range(8, 12)
+_ATTACHMENT = 9
 _END_RECORDS = ((15, 4), (_FOOTER, 20))  # Opcode and length of the records after all messages.
 _FRAME = Struct("<BQ")  # Opcode and length, before each record.
 _MESSAGE_HEAD = Struct("<HIQQ")  # Channel, sequence, log time, publish time.
 _CHUNK_TIMES = Struct("<QQ")
 _MESSAGE_INDEX_HEAD = Struct("<HI")  # Channel, bytes that follow.
 _MESSAGE_INDEX_ENTRY = 16  # Bytes.
-_FOOTER_RECORD = Struct("<BQQQI8s")  # Frame, start of summary and of offsets, CRC, magic.
-_FOOTER_CRC_BYTES = 1 + 3 * 8  # That its CRC covers besides the summary.
-_CHUNK_INDEX_HEAD = Struct("<QQQQ")  # First and last time, offset, size.
-_ATTACHMENT_INDEX_HEAD = Struct("<QQ")  # Offset, size.
-_STATISTICS_HEAD = Struct("<QHIIIIQQ")
 _NAME_END = 16 + 4 + len(_ROBOT)  # Offset at which the name of a robot file's attachment ends.
 _NAMES = {
     _HEADER: "its header",
@@ -155,15 +148,14 @@ class Index:
 
 
 def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str], None]) -> Index:
-    """Return what a file holds: by its summary, or without a true one by reading all of it.
+    """Return what a file holds; the records between its chunks tell it, so few are unpacked.
 
-    If the disk fails or the budget ends, what was found until then counts.
+    The summary at the end of a file is not used: it is missing in one that was cut off, and may
+    lie. If the disk fails or the budget ends, what was found until then counts.
     """
     index = Index(fault)
     try:
-        if not _read_summary(file, size, index, budget):
-            index = Index(fault)
-            _Scan(file, size, index, budget).run()
+        _Scan(file, size, index, budget).run()
     except BudgetExceeded as error:
         fault(f"{error}: the rest is left out")
     except OSError as error:
@@ -277,63 +269,6 @@ _UNPACKERS: Mapping[str, Callable[[bytes, int], bytes]] = {
 }
 
 
-def _read_summary(file: BinaryIO, size: int, index: Index, budget: Budget) -> bool:
-    """Fill the index from the summary at the end; return False if that is not there or not true."""
-    data = _summary_section(file, size)
-    chunks: dict[int, Part] = {}
-    attachments: list[int] = []
-    counts: tuple[int, ...] = ()
-    try:
-        for opcode, begin, length in _records(BytesIO(data), 0, len(data), budget):
-            if opcode in (_SCHEMA, _CHANNEL):
-                index.add(opcode, data[begin : begin + length])
-            elif opcode == _STATISTICS and length >= _STATISTICS_HEAD.size:
-                counts = _STATISTICS_HEAD.unpack_from(data, begin)
-            elif opcode == _CHUNK_INDEX and length >= _CHUNK_INDEX_HEAD.size:
-                start, last, offset, length = _CHUNK_INDEX_HEAD.unpack_from(data, begin)
-                chunks[offset] = Part(start, last, offset, length, is_chunk=True)
-            elif opcode == _ATTACHMENT_INDEX and length >= _ATTACHMENT_INDEX_HEAD.size:
-                attachments.append(_ATTACHMENT_INDEX_HEAD.unpack_from(data, begin)[0])
-            if len(chunks) + len(attachments) > MAX_PARTS:
-                return False
-    except Unreadable:
-        return False
-    if not counts:
-        return False
-    messages, *numbers, start, last = counts
-    found = [len(index.schemas), len(index.channels), len(attachments), numbers[3], len(chunks)]
-    if found != numbers or (messages and not (chunks and start <= last)):
-        return False
-    if any(chunk.offset + chunk.size > size for chunk in chunks.values()):
-        return False
-    if messages:
-        index.add_times(start, last, messages)
-    for chunk in chunks.values():
-        index.add_part(chunk)
-    scan = _Scan(file, size, index, budget)
-    for opcode, offset in [(_HEADER, len(MAGIC)), *((_ATTACHMENT, at) for at in attachments)]:
-        scan.read_one(opcode, offset)
-    return True
-
-
-def _summary_section(file: BinaryIO, size: int) -> bytes:
-    """Return the records of the summary; b"" if it is missing, damaged or above MAX_RECORD."""
-    end = size - _FOOTER_RECORD.size
-    if end < len(MAGIC):
-        return b""
-    file.seek(end)
-    foot = file.read(_FOOTER_RECORD.size)
-    if len(foot) < _FOOTER_RECORD.size:
-        return b""
-    opcode, length, start, _, crc, magic = _FOOTER_RECORD.unpack(foot)
-    if (opcode, length, magic) != (_FOOTER, 20, MAGIC) or not 0 < end - start <= MAX_RECORD:
-        return b""
-    file.seek(start)
-    data = file.read(end - start)
-    covered = foot[:_FOOTER_CRC_BYTES]
-    return b"" if crc and zlib.crc32(covered, zlib.crc32(data)) != crc else data  # 0: left out.
-
-
 class _Scan:
     """A pass over a file from its beginning, also over one that was cut off.
 
@@ -367,28 +302,20 @@ class _Scan:
                 self._close()
         self._close()
 
-    def read_one(self, opcode: int, offset: int) -> None:
-        """Take in the record at an offset, if it is whole and has that opcode."""
-        found = _records(self._file, offset, self._size, self._budget)
-        with suppress(Unreadable):
-            for record in islice(found, 1):
-                if record[0] == opcode:
-                    self._take(*record)
-
     def _take(self, opcode: int, offset: int, length: int) -> None:
+        if opcode not in (_MESSAGE, _MESSAGE_INDEX):
+            self._close()  # It may read a chunk, so only now:
         self._file.seek(offset)
         if opcode == _MESSAGE:
             self._on_message(offset - _FRAME.size, length)
         elif opcode == _MESSAGE_INDEX:
             self._on_message_index(length)
-        else:
-            self._close()
-            if opcode == _CHUNK:
-                self._open_chunk(offset - _FRAME.size, length + _FRAME.size)
-            elif opcode == _ATTACHMENT:
-                self._on_attachment(length)
-            elif opcode in _NAMES:
-                self._index.add(opcode, self._read(min(length, _MAX_METADATA)))
+        elif opcode == _CHUNK:
+            self._open_chunk(offset - _FRAME.size, length + _FRAME.size)
+        elif opcode == _ATTACHMENT:
+            self._on_attachment(length)
+        elif opcode in _NAMES:
+            self._index.add(opcode, self._read(min(length, _MAX_METADATA)))
 
     def _read(self, count: int) -> bytes:
         self._budget.spend(size=count)
