@@ -76,6 +76,7 @@ class _Reporter:
 
         file = program.file
         self._descriptor, self.has_begun = descriptor, False
+        self._pid = os.getpid()
         self._answers: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._asking = threading.Lock()
         nodes: list[Any] = []
@@ -126,6 +127,8 @@ class _Reporter:
         Executor.add_node = add  # type: ignore[assignment, method-assign]
 
     def report(self, **what: Any) -> None:
+        if os.getpid() != self._pid:
+            return  # Of a child that it has forked.
         with contextlib.suppress(BrokenPipeError):  # The console was killed, and so is this.
             os.write(self._descriptor, json.dumps(what).encode() + b"\n")
 
