@@ -160,10 +160,6 @@ class ArchoApp(KeyedApp):
         self._notices = []
         self._show_notices()
 
-    def action_dismiss_notices(self) -> None:
-        """Remove the notices that are shown, because they were clicked."""
-        self.clear_notifications()
-
     def _show_notices(self) -> None:
         time, before = self.station.clock.monotonic(), self._shown_notices
         self._notices = [n for n in self._notices if time < n.until and n.still_holds()]

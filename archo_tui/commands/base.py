@@ -72,6 +72,7 @@ class Desk:
         self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}  # As Textual names them.
         # As people read them.
         self.shown_keys = {name: readable_key(key) for name, key in self.keys.items()}
+        self._listed_keys = {c.id: self.shown_keys[c.id] for c in self.registry if c.is_listed}
         # The last texts, by form and by the path of the field.
         self.typed: dict[str, dict[str, str]] = {}
         self.view = self._state()
@@ -79,8 +80,7 @@ class Desk:
     def _state(self) -> ScreenState:
         never = not self.has_sent
         station = vars(self.station.view)
-        listed = {c.id: self.shown_keys[c.id] for c in self.registry if c.is_listed}
-        return ScreenState(**station, keys=listed, has_never_sent_goal=never)
+        return ScreenState(**station, keys=self._listed_keys, has_never_sent_goal=never)
 
     def update_screen(self) -> None:
         """Show the station's present state at once, not only with the next message of the robot."""

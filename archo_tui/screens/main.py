@@ -113,6 +113,7 @@ class MainScreen(Base[None]):
         self._grid = Container(id="panels", classes="-gauges" if robot.gauges else "")
         self._panels = [kind(snapshot) for kind in PANELS]
         self.goal, self.parameters = self._panel(GoalPanel), self._panel(ParametersPanel)
+        self._motion = self._panel(MotionPanel)
         self.nodes, self.events = self._panel(NodesPanel), self._panel(EventsPanel)
         self.history, self.graph = self._panel(HistoryPanel), self._panel(GraphPanel)
         self.goal.on_typed = self._on_field_changed
@@ -430,12 +431,14 @@ class MainScreen(Base[None]):
     def show_notices(self, notices: Sequence[Notice]) -> None:
         """Show notices here, but not over the STOP button, and in the dialogs over this screen."""
         self.notices = notices
-        rows = self._notice_line.show(notices, self.size.width)
-        row = max(len(self.head) - 1, 0) + self.is_banner_needed
-        stop = self.query_one("#stop").region.intersection(self.panels_region)
-        if stop and row < stop.bottom and stop.y < row + rows:
-            row = stop.bottom
-        self._notice_line.styles.offset = 0, row
+        line = self._notice_line
+        line.show(notices, self.size.width)
+        if notices:
+            row = max(len(self.head) - 1, 0) + self.is_banner_needed
+            stop = self.query_one("#stop").region.intersection(self.panels_region)
+            if stop and row < stop.bottom and stop.y < row + line.rows:
+                row = stop.bottom
+            line.styles.offset = 0, row
         for show in self.on_head:
             show()
 
@@ -460,14 +463,14 @@ class MainScreen(Base[None]):
         if isinstance(focused, Field):
             typed = {name for name, key in view.keys.items() if focused.is_typed(key)}
             typed |= {"go"} if focused is self.goal.focused_field else set()
-        return replace(view, typed=frozenset(typed))
+        return view if typed == view.typed else replace(view, typed=frozenset(typed))
 
     def _on_field_changed(self) -> None:
         """Update what is said of keys: the focus is in another place, or a field has other text."""
         if self._view is not None and self._is_filled:
             self._view = self._with_typed(self._view)
             self._show_hints(self._view, self._commands, self.head[0])
-            for panel in self.goal, self._panel(MotionPanel):
+            for panel in self.goal, self._motion:
                 self._show_panel(panel, self._view)
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:

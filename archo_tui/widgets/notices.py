@@ -56,15 +56,17 @@ class NoticeLine(Static):
     """The notices, drawn over the other widgets of a main screen; a click dismisses them."""
 
     _shown: tuple[Sequence[Notice], int] = (), 0
+    rows = 1  # Of the text.
 
-    def show(self, notices: Sequence[Notice], width: int) -> int:
-        """Show notices, or (none) what lies beneath; return the number of their rows."""
+    def show(self, notices: Sequence[Notice], width: int) -> None:
+        """Show notices, or (none) what lies beneath."""
         if (notices, width) != self._shown:
             self._shown = notices, width
-            self.update(notice_text(notices, width))
+            text = notice_text(notices, width)
+            self.rows = text.plain.count("\n") + 1
+            self.update(text)
             self.display = bool(notices)
-        return notice_text(notices, width).plain.count("\n") + 1
 
-    async def on_click(self, event: events.Click) -> None:
+    def on_click(self, event: events.Click) -> None:
         event.stop()
-        await self.run_action("app.dismiss_notices")
+        self.app.clear_notifications()
