@@ -227,19 +227,19 @@ def traceback_without(error: BaseException, *engine: ModuleType) -> str:
     """Return a traceback as text without the frames of some packages, which a last line counts."""
     folders = {Path(module.__file__ or "").parent for module in engine}
     report = TracebackException.from_exception(error)
-    left_out = _leave_out(report, folders)
+    left_out, waiting = 0, [report]
+    while waiting:  # As many as a recursion is deep may have led to each other.
+        part = waiting.pop()
+        left_out += _leave_out(part, folders)
+        waiting += filter(None, (part.__cause__, part.__context__))
     text = "".join(report.format())
     return f"{text}({left_out} frames of the engine are left out)\n" if left_out else text
 
 
 def _leave_out(report: TracebackException, folders: set[Path]) -> int:
-    """Take the frames of folders from a report and from those that led to it; return how many.
-
-    A report keeps them if it has no other.
-    """
+    """Take the frames of folders from a report, unless it has no other; return how many."""
     kept = [frame for frame in report.stack if folders.isdisjoint(Path(frame.filename).parents)]
     count = len(report.stack) - len(kept) if kept else 0
     if count:
         report.stack = StackSummary.from_list(kept)
-    causes = (report.__cause__, report.__context__)
-    return count + sum(_leave_out(cause, folders) for cause in causes if cause is not None)
+    return count

@@ -69,3 +69,14 @@ def test_the_console_is_not_the_users_though_it_be_in_their_folder() -> None:
     code = OwnCode("mine.py", clone / "mine.py")
     assert not code.is_own(f"{clone}/archo_tui/embedded/cdr.py")
     assert code.is_own(f"{clone}/helpers.py")
+
+
+def test_errors_that_a_deep_recursion_has_chained_are_all_told() -> None:
+    error: Exception = ValueError("the first")
+    for number in range(2000):
+        later = RuntimeError(number)
+        later.__context__ = error
+        error = later
+    said = traceback_without(error, json)
+    assert said.startswith("ValueError: the first\n")
+    assert said.rstrip().endswith("RuntimeError: 1999")
