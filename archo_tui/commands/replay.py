@@ -102,8 +102,8 @@ class NotSent(Command):
 
     def run(self, desk: Desk) -> None:
         key = desk.view.key("quit")
-        way = f"press {key} for the live robot" if desk is not desk.live else f"{key} leaves it"
-        desk.show_message(f"REPLAY: {self.id} was not sent: {way}.")
+        where = "for the live robot" if desk is not desk.live else "to leave the replay"
+        desk.show_message(f"REPLAY: {self.id} was not sent: press {key} {where}.")
 
 
 class ReplayDesk(Desk):

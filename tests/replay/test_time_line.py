@@ -144,7 +144,7 @@ async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
         there = {command.id for command in watcher.app.registry if command.is_listed}
         assert {command.id for command in registry(ARCHO)} - there == ACTS
         await watcher.press("R")
-        assert "REPLAY: release was not sent: q leaves it." in watcher.text
+        assert "REPLAY: release was not sent: press q to leave the replay." in watcher.text
         await watcher.press("ctrl+p", *"reset")
         assert "Reset" not in watcher.text
         await watcher.show(watcher.player.end)
