@@ -128,7 +128,7 @@ def test_a_learner_is_told(
         pytest.skip("there the answer leaves before the node ends")
     expected = Expected(name)
     if expected.refused.endswith("BatteryMonitor.__init__ "):
-        limits = {"embedded": 0.5, "ros2": 5.0}
+        limits = {"embedded": 2.0, "ros2": 5.0}
         monkeypatch.setattr("archo_tui.cli.check._START_TIME", limits)
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", limits[chosen.ENGINE])
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
