@@ -230,7 +230,7 @@ class Session:
         word = words[0] if isinstance(words, list) and words else None
         verb = self._handler.verbs.get(word) if isinstance(word, str) else None
         waits = word in ("wait", "echo") or (verb is not None and verb.is_slow)
-        self._calls_service = False
+        self._calls_service, self._sends_goals = False, verb is not None and verb.has_goals
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
         self._tells: dict[str, bool] = {}  # Of the result, once the verb is known.
@@ -316,10 +316,12 @@ class Session:
         if timeout is None or waits or self._is_assistant:
             return await self._carry_out(request)
         work, clock = asyncio.ensure_future(self._carry_out(request)), self._station.clock
+        over = f"not within {timeout:g} s"
         try:
+            if timeout == 0 and self._sends_goals and not self._keeps_goals:
+                return await self._call_off_late(work, over)  # Before its first step.
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
-            over = f"not within {timeout:g} s"
             if self._is_read_only:
                 over = f"{timeout:g} s are over"
             elif self._keeps_goals:

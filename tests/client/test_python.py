@@ -447,6 +447,7 @@ async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
 
 async def test_what_is_sent_after_its_time_is_not_sent() -> None:
     async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
         with pytest.raises(RanOut):
             await does(lambda robot: robot.do("go", "12", timeout=0))
         assert (await does(lambda robot: robot.status())).goal is None
