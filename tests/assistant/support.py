@@ -105,15 +105,21 @@ class FakeConsole:
     async def serve(self, listening: socket.socket) -> None:
         """Take connections until cancelled; what a client has sent is read though it has left."""
         loop, tasks = asyncio.get_running_loop(), []
-        listening.setblocking(False)
-        try:
-            while True:
-                client, _ = await loop.sock_accept(listening)
+
+        def accept() -> None:
+            with suppress(BlockingIOError):  # It has left.
+                client, _ = listening.accept()
                 client.setblocking(False)
                 self.connections += 1
                 self._clients.append(client)
                 tasks.append(asyncio.ensure_future(self._serve(client)))
+
+        listening.setblocking(False)
+        loop.add_reader(listening, accept)  # A cancelled sock_accept may lose a connection.
+        try:
+            await loop.create_future()
         finally:
+            loop.remove_reader(listening)
             for client in self._clients:  # As a console that ends does.
                 with suppress(OSError):
                     client.shutdown(socket.SHUT_RDWR)

@@ -56,9 +56,12 @@ async def waiting(console: FakeConsole) -> asyncio.subprocess.Process:
 async def test_killed_in_the_middle_its_connection_closes(number: signal.Signals) -> None:
     async with fake_console() as console:
         process = await waiting(console)
+        assert process.stdout is not None
+        first = await asyncio.wait_for(process.stdout.readline(), DEADLINE)
         process.send_signal(number)
         await until(lambda: console.closed == 1)
-        out, err = await asyncio.wait_for(process.communicate(), DEADLINE)
+        rest, err = await asyncio.wait_for(process.communicate(), DEADLINE)
+        out = first + rest
         assert process.returncode == -number
         assert (out.count(b"\n"), err) == (1, b"")  # the answer to initialize
 
