@@ -96,6 +96,7 @@ async def test_goals_that_wait_are_held_behind_it() -> None:
     async with operated(making(made, Rover), robot=FILE) as person:
         person.type("go x=1 y=2 yaw=0\ngo x=3 y=4 yaw=0\n")
         await person.until("goal MOVING")
+        await person.until("queue: ")
         person.type("stop\n")
         await person.until(f"failed: stop: {NONE}cancelling 1 goal)")
         await person.until("goal CANCELLED")
