@@ -280,7 +280,8 @@ def _find_file(given: str) -> tuple[Path, str]:
             raise NodeFileError(f"{given}: no such module, and no such file")
         return Path(spec.origin).resolve(), given
     if not path.is_file():
-        raise NodeFileError(f"{given}: no such file")
+        why = "not a regular file" if path.exists() else "no such file"
+        raise NodeFileError(f"{given}: {why}")
     if path.suffix != ".py":
         raise NodeFileError(f"{given}: not a Python file")
     return path.resolve(), "__main__"

@@ -164,6 +164,8 @@ def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
     os.mkfifo(file.path)
     with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
         file.compile()
+    with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
+        ProgramFile(str(file.path))
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
