@@ -262,6 +262,29 @@ def test_outages_while_a_robot_boots_do_not_dull_its_silence(
 
 
 @pytest.mark.pure
+def test_a_robot_that_was_restarted_three_times_is_missed_as_soon_as_before() -> None:
+    """Each of its starts takes the same time, and it ran as long as it happened to."""
+    times = [0.0]
+    for runs in (40.0, 15.0, 90.0, 20.0):
+        times += [times[-1] + 0.2 * number for number in range(1, round(runs / 0.2))]
+        times.append(times[-1] + 10.0)
+    times += [times[-1] + 0.2 * number for number in range(1, 100)]
+    period, silences = lost(times)
+    assert len(silences) == 4
+    assert period.typical == pytest.approx(0.2)
+
+
+@pytest.mark.pure
+def test_pauses_that_have_ended_are_typical_no_more() -> None:
+    """A node that crashed again and again while the robot booted runs well at last."""
+    times = [*bursts(15, 0.2, 5.0, total=60.0)]
+    assert lost(times)[0].typical == pytest.approx(5.0)
+    times += [times[-1] + 0.2 * number for number in range(1, 200)]
+    period, _ = lost(times)
+    assert period.typical == pytest.approx(0.2)
+
+
+@pytest.mark.pure
 def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> None:
     times = with_outages(7.0, 9.0, each=1.0)[:12]
     for _ in range(8):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple, TypeGuard
 
 from archo_tui.clock import Monotonic
@@ -15,9 +16,18 @@ _MAYBE_A_BURST = 15.0  # Silence allowed after a few quick messages, longer than
 _FEW = 3  # So many intervals may be one burst.
 _KEPT = 50  # Intervals.
 _OTHER = 1.25  # An interval that is so many times as long as another is not so by chance.
-_REGULAR = 3  # So many silences in a row of about the same length become typical.
+_REGULAR = 3  # So many silences in a row, of about one length and as far apart, are typical.
 _AS_LONG = 1.1  # The longest of them may be so many times as long as the shortest.
+_FORGOTTEN = 3  # So many times as long without a pause as from one to the next, and it is none.
 _NOTED = 0.1  # Messages that follow faster are not recorded, once the period is measured.
+
+
+class _Silence(NamedTuple):
+    """A silence, or one that has become typical."""
+
+    end: float  # In monotonic seconds.
+    length: float  # In seconds.
+    cycle: float = 0.0  # Seconds from the end of one to that of the next, of a typical one.
 
 
 class Period(NamedTuple):
@@ -25,7 +35,8 @@ class Period(NamedTuple):
 
     It is the interval at which half of the last time is reached, in order of length: so a burst
     counts as one message. A silence is no interval, so a link that becomes slower is noticed each
-    time; but silences of the same length, three in a row, as between long bursts, are typical.
+    time; but silences of the same length, three in a row and equally far apart, as between long
+    bursts, are typical: those of a robot that is restarted now and then are not.
     """
 
     intervals: tuple[float, ...] = ()  # The last ones between messages, in seconds.
@@ -33,8 +44,8 @@ class Period(NamedTuple):
     # The period in seconds from before, which holds until it is measured; or None.
     known: float | None = None
     measured: float | None = None  # In seconds; it does not follow small changes.
-    silences: tuple[float, ...] = ()  # The last ones, in seconds.
-    pause: float = 0.0  # In seconds, if silences are typical.
+    silences: tuple[_Silence, ...] = ()  # The last ones, of which none is typical.
+    pause: _Silence | None = None  # The last one, if silences are typical.
 
     def measured_again(self, old: object, new: object) -> Period:
         """Return an unmeasured period in which the present one holds until it is measured again.
@@ -59,13 +70,19 @@ class Period(NamedTuple):
         if self.measured is not None and interval < _NOTED:
             return self
         if is_silent(self.last, self.measured, now, None):
-            silences = (*self.silences, interval)[-_REGULAR:]
-            if len(silences) < _REGULAR or max(silences) > _AS_LONG * min(silences):
+            silences = (*self.silences, _Silence(now, interval))[-_REGULAR:]
+            pause = _typical_pause(silences)
+            if pause is None:
                 return self._replace(last=now, silences=silences)
-            pause = max(silences)
-            return self._replace(last=now, measured=pause, pause=pause, silences=())
+            return self._replace(last=now, measured=pause.length, pause=pause, silences=())
         intervals = (*self.intervals, interval)[-_KEPT:]
-        return self._replace(last=now, intervals=intervals, measured=self._measure(intervals))
+        pause = self.pause
+        if pause is not None and interval * _AS_LONG >= pause.length:
+            pause = pause._replace(end=now)
+        elif pause is not None and now - pause.end > _FORGOTTEN * pause.cycle:
+            pause = None
+        after = self._replace(last=now, intervals=intervals, pause=pause)
+        return after._replace(measured=after._measure(intervals))
 
     def _measure(self, intervals: tuple[float, ...]) -> float | None:
         passed, whole = 0.0, sum(intervals)
@@ -75,7 +92,7 @@ class Period(NamedTuple):
             passed += interval
             if passed >= whole / 2:
                 break
-        typical, before = max(interval, self.pause), self.measured
+        typical, before = max(interval, self.pause.length if self.pause else 0.0), self.measured
         is_other = before is None or not before / _OTHER <= typical <= before * _OTHER
         return typical if is_other else before  # Each change would be shown.
 
@@ -98,6 +115,17 @@ class Period(NamedTuple):
         The shorter one holds after several messages: they are a burst, or a robot died after them.
         """
         return _MAYBE_A_BURST if len(self.intervals) >= _FEW else UNMEASURED
+
+
+def _typical_pause(silences: tuple[_Silence, ...]) -> _Silence | None:
+    """Return the longest of silences that are alike and equally far apart; None if they are not."""
+    if len(silences) < _REGULAR:
+        return None
+    lengths = [silence.length for silence in silences]
+    cycles = [later.end - earlier.end for earlier, later in pairwise(silences)]
+    if any(max(spans) > _AS_LONG * min(spans) for spans in (lengths, cycles)):
+        return None
+    return _Silence(silences[-1].end, max(lengths), max(cycles))
 
 
 class Pause(NamedTuple):
