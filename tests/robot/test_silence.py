@@ -17,7 +17,8 @@ from archo_tui.robot.messages.period import Period, is_silent
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
-from tests.support.quiet import until
+from tests.support.quiet import until, while_passes
+from tests.support.robot import making, robot
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -141,6 +142,47 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
         await person.until("alarm unacknowledged: CONTACT LOST for ")
         assert seconds() - began < 5.0
         clock.release(hang)
+
+
+class Restarted(Node):
+    """Says that it drives, unless it is down; each of its starts has a publisher of its own."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("restarted", **options)
+        self.motors: Any = None
+        self.is_dead = False  # It is still on the graph, as after a `kill -9` on ROS 2.
+        self.create_timer(0.2, self.tell)
+
+    def tell(self) -> None:
+        if self.motors is not None and not self.is_dead:
+            self.motors.publish(MotorStatus(moving=True))
+
+    def begin(self) -> None:
+        self.motors = self.create_publisher(MotorStatus, "motor_status", 10)
+
+    def end(self) -> None:
+        self.destroy_publisher(self.motors)
+        self.motors = None
+
+
+@pytest.mark.waits
+async def test_a_node_that_dies_after_regular_restarts_is_missed_as_soon_as_any_other() -> None:
+    made: list[Restarted] = []
+    async with robot(making(made, Restarted)) as it:
+        await until(lambda: made[0].executor is not None)
+        executor: Any = made[0].executor
+        for _ in range(4):
+            executor.create_task(made[0].begin)
+            await while_passes(5.0)
+            executor.create_task(made[0].end)
+            await while_passes(4.0)
+        executor.create_task(made[0].begin)
+        await while_passes(5.0)
+        assert not it.snapshot.motion.is_old(seconds())
+        made[0].is_dead = True
+        died = seconds()
+        await until(lambda: it.snapshot.motion.is_old(seconds()))
+        assert seconds() - died < 3.5
 
 
 @pytest.mark.pure

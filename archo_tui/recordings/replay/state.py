@@ -65,7 +65,8 @@ class RecordedTopics:
         kind = self._types.get(self.resolve_topic_name(topic))
         if kind is None:
             return []
-        nobody = {"node_name": "", "node_namespace": "/"}  # A bag does not name its publishers.
+        # A bag does not name its publishers.
+        nobody = {"node_name": "", "node_namespace": "/", "endpoint_gid": b""}
         return [SimpleNamespace(topic_type=kind, qos_profile=_QOS, **nobody)]
 
     def listen_quietly(

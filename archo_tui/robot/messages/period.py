@@ -59,6 +59,11 @@ class Period(NamedTuple):
             seconds = max(seconds, min(float(new), LONGEST_SET))
         return Period(known=seconds)
 
+    def without_pauses(self) -> Period:
+        """Return the period with every silence forgotten: another publisher may have no such."""
+        after = self._replace(silences=(), pause=None)
+        return after._replace(measured=after._measure(self.intervals))
+
     def with_message_at(self, now: float) -> Period:
         """Return the period with one more message at `now`, in monotonic seconds.
 

@@ -72,6 +72,8 @@ class ReadingSubscriptions:
         self.faults: dict[str, str] = {}
         # The full names of the nodes that publish each reading, by key.
         self.publishers: dict[object, frozenset[str]] = {}
+        # The ids of their publishers, by key: a node that is restarted has new ones.
+        self.endpoints: dict[object, frozenset[bytes]] = {}
         # The silence in seconds that is allowed without a period, by key; None for any.
         self.graces: dict[object, float | None] = {}
 
@@ -111,6 +113,7 @@ class ReadingSubscriptions:
         self.publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
         )
+        self.endpoints[reader.key] = frozenset(bytes(info.endpoint_gid) for info in publishers)
         if not publishers:
             self.graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
             return None

@@ -90,7 +90,11 @@ class Telemetry:
 
     def resubscribe(self) -> None:
         """Subscribe to what is published now, and update the faults and the silences allowed."""
+        before = dict(self._subscriptions.endpoints)
         self._subscriptions.update()
+        for key, period in self.periods.items():
+            if self._subscriptions.endpoints.get(key) != before.get(key):
+                self.periods[key] = period.without_pauses()
         self._change_all(lambda key: {"grace": self._grace(key)})
 
     def _change_all(self, changes: Callable[[object], dict[str, Any]]) -> None:
