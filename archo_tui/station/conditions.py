@@ -369,9 +369,12 @@ def duplicate_name(seen: Situation) -> Found:
 
 def no_nodes(seen: Situation) -> Found:
     snapshot = seen.snapshot
-    is_there = seen.has_reports or seen.hosted or snapshot.nodes or snapshot.other_namespaces
-    if seen.unseen and not is_there:
+    if not seen.unseen or seen.hosted or snapshot.nodes or snapshot.other_namespaces:
+        return
+    if not seen.has_reports:
         yield "", f"NO NODES {seen.unseen}"
+    elif not seen.contact_is_lost:  # rmw_fastrtps may not get the names again behind a cut.
+        yield "", "NO NODE NAMES, though the robot is heard: start this console again"
 
 
 def no_clock(seen: Situation) -> Found:

@@ -93,9 +93,12 @@ def test_nobody_on_the_graph_is_an_alarm_that_says_where_was_looked() -> None:
     for seen in (
         nobody._replace(nodes=NORMAL.nodes),
         nobody._replace(other_namespaces=("/north",)),  # the header says where
-        nobody._replace(battery=BATTERY._replace(received=NOW)),
+        nobody._replace(battery=BATTERY._replace(received=NOW - 9.0)),  # its contact is lost
     ):
         assert "no nodes" not in conditions(seen, NOW, unseen=where)
+    heard = nobody._replace(battery=BATTERY._replace(received=NOW))
+    again = "NO NODE NAMES, though the robot is heard: start this console again"
+    assert conditions(heard, NOW, unseen=where)["no nodes"] == again
     stopped = (Hosted("/a", Life.STOPPED),)
     assert conditions(nobody, NOW, stopped, unseen=where) == {}  # the operator's own doing
 
