@@ -14,7 +14,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from archo_tui.commands import registry
-from archo_tui.commands.base import Answers, Command, Desk, Work
+from archo_tui.commands.base import Answers, Command, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.goals.queue import QueuedGoal
@@ -72,15 +72,14 @@ class ArchoApp(KeyedApp):
             in_field = not station.robot.watching
             main = MainScreen(snapshot, self.size, starts_in_field=in_field)
         else:
-            from archo_tui.commands.replay import replay_commands
-            from archo_tui.widgets.time_line import TimeLine
+            from archo_tui.commands.replay import TimeLine, replay_commands
 
             commands = partial(replay_commands, player)
             main = MainScreen(snapshot, self.size, TimeLine(snapshot, player))
-        self.set_up(self, station, commands, keys or {}, main)
+        self.set_up(commands, keys or {}, main)
         main.goal.send = self._send_goals
         self.stop_key = self.keys["stop"]
-        self.bind_commands(self)
+        self.bind_commands()
 
     def get_default_screen(self) -> Screen[None]:
         return self.main
@@ -123,11 +122,9 @@ class ArchoApp(KeyedApp):
             self.tick()
 
     def tick(self) -> None:
-        """Tick the station and show the new view, also of a replay; called on each full second."""
+        """Tick the station and show the new view; called on each full second."""
         self.station.tick()
         self.show_view()
-        if self.replay is not None:
-            self.replay.update_screen()
 
     def show_view(self) -> None:
         goal = self.station.view.snapshot.goal
@@ -167,27 +164,23 @@ class ArchoApp(KeyedApp):
         if not {*before} <= {*self._notices}:
             for line in self.screen.query(NoticeLine):
                 self._gone_notice = line.region, now()
-        for main in {self.front.main, self.main}:  # The second one may lie below a replay.
-            if main.is_mounted:
-                main.show_notices(self._shown_notices)
+        if self.main.is_mounted:
+            self.main.show_notices(self._shown_notices)
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        command = self._find_command(name)
-        if command is None:  # Clicked as a replay began or ended.
+        command, number = self._find_command(name), 0
+        if command is None:
             return
-        desk, number = self.front, 0
         if name == "stop":
-            desk, number = self, self.stops.count_when_typed if counted else self.stops.register()
+            number = self.stops.count_when_typed if counted else self.stops.register()
             self.close_questions()
-        work = self._work_of(command, desk)
-        if name == "stop" and self.replay is not None:
-            self.notify("STOP goes to the live robot, not to the replay.", markup=False)
+        work = self._work_of(command)
         if work is not None:
             self.run_worker(self._await_command(name, work), group=COMMANDS)
         elif name == "stop":
             self.stops.is_not_sent(number)
 
-    def _work_of(self, command: Command, desk: Desk) -> Work | None:
+    def _work_of(self, command: Command) -> Work | None:
         """Run a command, and return what is to be awaited, if anything; or show why it cannot."""
         name = command.id
         if command.waits_for_answer and (self.repeated or self._waits(name)):
@@ -199,14 +192,14 @@ class ArchoApp(KeyedApp):
         # A key that is pressed again runs again: something may have happened in between.
         if held and self.repeated and not (command.always_tried and self.stops.superseded):
             return None
-        reason = command.disabled_reason(desk)
+        reason = command.disabled_reason(self)
         if reason:
             if not command.always_tried or reason == WATCHING:
-                holds = partial(command.disabled_reason, desk)
+                holds = partial(command.disabled_reason, self)
                 self.notify(reason, severity="warning", markup=False, still_holds=holds)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return None
-        return command.run(desk)  # At once: the next key may be for what this one focuses.
+        return command.run(self)  # At once: the next key may be for what this one focuses.
 
     def close_questions(self) -> None:
         """Close the dialogs that a STOP makes invalid, and drop the keys typed for them."""
@@ -241,7 +234,7 @@ class ArchoApp(KeyedApp):
             outcome = await verb.run(self.station, values)
             self.update_screen()
             is_in_banner = verb.id == "stop" and self.view.snapshot.open_stop is not None
-            if self.replay is not None or not is_in_banner:
+            if not is_in_banner:
                 self.report_failure(outcome)
 
         question = verb.question(self.station, values)
@@ -255,27 +248,6 @@ class ArchoApp(KeyedApp):
         closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
-
-    def begin_replay(self, player: Player) -> None:
-        from archo_tui.commands.replay import ReplayDesk
-
-        self.replay = ReplayDesk(self, player)
-        self._live_bindings = dict(self._bindings.key_to_bindings)
-        self.bind_commands(self.replay)
-        self.show_dialog(self.replay.main)
-        self.call_after_refresh(self.tick)
-
-    def end_replay(self) -> None:
-        if self.replay is None:
-            return
-        above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
-        self.replay = None
-        self._bindings.key_to_bindings = self._live_bindings
-        for screen in reversed(above):
-            screen.dismiss()
-        # What was said of the recording; a refusal or an error is the live robot's.
-        self._notices = [n for n in self._notices if n.severity != "information"]
-        self._show_notices()
 
     @contextmanager
     def opening(self) -> Iterator[None]:
@@ -320,8 +292,7 @@ class ArchoApp(KeyedApp):
 
     def report_failure(self, outcome: Outcome) -> None:
         if not outcome.ok:
-            title = "Live robot" if self.replay is not None else ""
-            self.notify(outcome.text, title=title, severity="error", markup=False)
+            self.notify(outcome.text, severity="error", markup=False)
 
     def copy_selection(self) -> bool:
         focused = self.focused

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import string
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textual import events
 from textual.binding import Binding
@@ -14,7 +14,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
 
-from archo_tui.commands.base import EVERYWHERE, Command, ConsoleApp, Desk
+from archo_tui.commands.base import EVERYWHERE, Command, Desk
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
@@ -32,15 +32,12 @@ from archo_tui.widgets.field import Field
 from archo_tui.widgets.notices import NoticeLine
 from archo_tui.widgets.rows import Rows
 
-if TYPE_CHECKING:
-    from archo_tui.commands.replay import ReplayDesk
-
 # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s. They count
 # to when the key was surely not typed yet, which is 0.1 s earlier on an idle machine.
 HELD = 0.7
 
 
-class KeyedApp(ConsoleApp):
+class KeyedApp(Desk):
     """The base of the app, which passes keys and clicks to commands or to the focused widget.
 
     STOP acts at once. The others act one after the other, each when the one before is done.
@@ -52,7 +49,6 @@ class KeyedApp(ConsoleApp):
 
     def __init__(self, station: Station, theme: str) -> None:
         super().__init__(station, theme)
-        self.replay: ReplayDesk | None = None  # Over the live console; keys are the replay's.
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
         self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
@@ -76,20 +72,15 @@ class KeyedApp(ConsoleApp):
         """True once a key, a paste or a click was read."""
         return self._last_read > -math.inf
 
-    @property
-    def front(self) -> Desk:
-        """Return what keys act on: the replay while one is shown, else this console."""
-        return self.replay or self
-
-    def bind_commands(self, desk: Desk) -> None:
+    def bind_commands(self) -> None:
         """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
         check_action gives letters back to a field. A key loses what else it was bound to, but not
         the other commands that share it. App.bind has no priority, and a keymap of Textual's drops
         commands that share a key.
         """
-        for command in desk.registry:
-            key, action = desk.keys[command.id], f"command('{command.id}')"
+        for command in self.registry:
+            key, action = self.keys[command.id], f"command('{command.id}')"
             if not key:
                 continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
@@ -198,8 +189,7 @@ class KeyedApp(ConsoleApp):
         self.repeated = before  # Of the key that is being handled.
 
     def _works_everywhere(self, event: events.Event) -> bool:
-        front = self.front
-        free = {front.keys[c.id] for c in front.registry if c.where == EVERYWHERE}
+        free = {self.keys[c.id] for c in self.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
     def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
@@ -210,9 +200,7 @@ class KeyedApp(ConsoleApp):
         if isinstance(event, events.MouseUp) and self._pressed_stop:
             self._pressed_stop = False
             return True
-        if not isinstance(event, events.MouseDown) or self.replay is not None:
-            return False  # A replay hides the button.
-        if not self.main.shows_stop_at(event.x, event.y):
+        if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
         is_leaving = isinstance(front, Dismissable) and front.is_dismissed
@@ -392,7 +380,7 @@ class KeyedApp(ConsoleApp):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return True if the action of a key acts now, False if the key is left to others."""
-        main = self.front.main
+        main = self.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             leads_out = field is not None or main.search is not None or main.is_full
@@ -411,13 +399,11 @@ class KeyedApp(ConsoleApp):
 
     def _is_text(self, command: Command, field: Input) -> bool:
         """Return True if a field takes the key of a command itself: as text, or to edit."""
-        key = self.front.shown_keys[command.id]
+        key = self.shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
 
     def _find_command(self, name: str) -> Command | None:
-        """Return the command with an id, of the replay while one is shown, but for STOP."""
-        registry = self.registry if name == "stop" else self.front.registry
-        return next((command for command in registry if command.id == name), None)
+        return next((command for command in self.registry if command.id == name), None)
 
     def action_digit(self, name: str) -> None:
         """Run the command of a digit that was typed with alt, or directly behind an escape."""
@@ -425,7 +411,7 @@ class KeyedApp(ConsoleApp):
 
     def action_leave_field(self) -> None:
         """Leave the field, the search or the full screen: the first that applies."""
-        main = self.front.main
+        main = self.main
         search = main.search
         if isinstance(self.focused, Input):
             main.focus_back()

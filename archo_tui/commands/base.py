@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, S
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textual.keys import format_key
 from textual.screen import Screen
@@ -20,7 +20,6 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
@@ -29,9 +28,6 @@ from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.panels import PANELS
 from archo_tui.widgets.screen_state import ScreenState
-
-if TYPE_CHECKING:
-    from archo_tui.recordings.replay.player import Player
 
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
@@ -44,29 +40,24 @@ def readable_key(key: str) -> str:
     return key if key in ("", "enter") else format_key(key).replace("ctrl+", "^")
 
 
-class Desk:
-    """A station on the screen: with its verbs, commands, keys and main screen, for commands to use.
+class Desk(TerminalApp):
+    """The app, as far as commands use it: a station on the screen. Event loop only."""
 
-    The live one is the app; that of a recording lies over it. Event loop only.
-    """
-
-    live: ConsoleApp  # Whose dialogs, messages, theme and clipboard all desks use.
-    station: Station
     main: MainScreen  # Beneath the dialogs.
     view: ScreenState  # Shown now.
     has_sent = True  # False once it is known that this user has never sent a goal.
+    repeated = False  # True while the key that is being handled is held down.
+    # The time of the present key or click, and the pause before it, in s; None for neither.
+    input: InputTime | None = None
 
     def set_up(
         self,
-        live: ConsoleApp,
-        station: Station,
         commands: Callable[[Mapping[str, Verb]], Sequence[Command]],
         keys: Mapping[str, str],  # By the command's id; of the others, the default ones hold.
         main: MainScreen,
     ) -> None:
-        """Take up a station; must be called before all else."""
-        snapshot = station.robot.snapshot
-        self.live, self.station, self.main = live, station, main
+        """Make the commands of the station's robot; must be called before all else."""
+        snapshot, self.main = self.station.robot.snapshot, main
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
         self.registry = commands(self.verbs)
         self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}  # As Textual names them.
@@ -103,8 +94,7 @@ class Desk:
     @property
     def is_shown(self) -> bool:
         """True during the life of the main screen, also behind dialogs."""
-        is_there = self.live.is_running and self.main in self.live.screen_stack
-        return is_there and self.main.is_mounted
+        return self.is_running and self.main in self.screen_stack and self.main.is_mounted
 
     def _footer_keys(self) -> list[FooterKey]:
         """Return the commands with a footer word and a key, also disabled, in their order."""
@@ -118,13 +108,8 @@ class Desk:
 
     @property
     def _dialogs(self) -> Iterator[Dismissable[Any]]:
-        """Yield the dialogs over the main screen; with a replay over it, up to that."""
-        stack = self.live.screen_stack
-        for screen in stack[stack.index(self.main) + 1 :]:
-            if isinstance(screen, Dismissable):
-                yield screen
-            if isinstance(screen, MainScreen):
-                return  # The dialogs over it show the replay.
+        """Yield the dialogs over the main screen."""
+        yield from (screen for screen in self.screen_stack if isinstance(screen, Dismissable))
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
@@ -139,15 +124,7 @@ class Desk:
 
     def show_message(self, text: str, title: str = "") -> None:
         """Show a message in the second row, as `title: text`; its text is taken as it is."""
-        self.live.notify(text, title=title, markup=False)
-
-
-class ConsoleApp(TerminalApp, Desk):
-    """The app, as far as commands use it: the live desk, and what all desks share."""
-
-    repeated = False  # True while the key that is being handled is held down.
-    # The time of the present key or click, and the pause before it, in s; None for neither.
-    input: InputTime | None = None
+        self.notify(text, title=title, markup=False)
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
@@ -168,14 +145,6 @@ class ConsoleApp(TerminalApp, Desk):
         """Drop the keys that follow at once: they were typed for a dialog that closed by itself."""
         raise NotImplementedError
 
-    def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console; keys act on it from then on, except STOP."""
-        raise NotImplementedError
-
-    def end_replay(self) -> None:
-        """Close the replay, if there is one, with its dialogs, and show the live console again."""
-        raise NotImplementedError
-
     def copy_selection(self) -> bool:
         """Copy the text selected in a field or on the screen; return False if none is selected."""
         raise NotImplementedError
@@ -183,7 +152,6 @@ class ConsoleApp(TerminalApp, Desk):
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id, or show why it cannot run; nothing for an unknown id.
 
-        It runs on the live console or, while a replay is shown, there; STOP always on the live one.
         One that still waits for its answer does not run again. `counted` is True if the STOP was
         counted as its key was read.
         """

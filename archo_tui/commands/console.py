@@ -39,9 +39,9 @@ class ShowAlarms(Command):
 
         waiting = desk.station.approvals.waiting
         if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
-            desk.live.open(AnswerRequest(desk, waiting[0]))
+            desk.open(AnswerRequest(desk, waiting[0]))
         else:
-            desk.live.open(AlarmList(desk))
+            desk.open(AlarmList(desk))
 
 
 class ListDiagnostics(Command):
@@ -51,7 +51,7 @@ class ListDiagnostics(Command):
     def run(self, desk: Desk) -> None:
         from archo_tui.commands.lists import DiagnosticList
 
-        desk.live.open(DiagnosticList(desk))
+        desk.open(DiagnosticList(desk))
 
 
 class OperateOtherRobot(Command):
@@ -80,7 +80,7 @@ class OperateOtherRobot(Command):
 
         names = desk.station.robot.snapshot.other_namespaces
         choices = [Choice(name, partial(self._operate, desk, name)) for name in names]
-        desk.live.open(Choose("Operate another robot", choices))
+        desk.open(Choose("Operate another robot", choices))
 
     def _operate(self, desk: Desk, namespace: str) -> None:
         """Restart the console for a namespace; show why not if the command is disabled by now."""
@@ -98,12 +98,12 @@ class ShowHelp(Command):
     def run(self, desk: Desk) -> None:
         from archo_tui.commands.help import Help
 
-        front = desk.live.screen
+        front = desk.screen
         if isinstance(front, Help):
             front.dismiss()
             return
         panel = desk.main.panel_with_focus if front is desk.main else None
-        desk.live.open(Help(desk, panel))
+        desk.open(Help(desk, panel))
 
 
 class ShowHelpEverywhere(ShowHelp):
@@ -137,12 +137,10 @@ class Suspend(Command):
     def run(self, desk: Desk) -> None:
         goal = desk.station.running_goal
         if goal is None or desk.station.attached:
-            desk.live.action_suspend_process()
+            desk.action_suspend_process()
             return
         question = f"The robot is {activity(goal)}; its nodes would pause."
-        desk.live.confirm(
-            "Suspend", question, "Stay", {"Suspend": desk.live.action_suspend_process}
-        )
+        desk.confirm("Suspend", question, "Stay", {"Suspend": desk.action_suspend_process})
 
 
 # Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.
@@ -175,7 +173,7 @@ class Quit(Command):
                 told = [stays, *published]
             if not told:
                 return end()
-            desk.live.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
+            desk.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
             return None
         if not goal.mine:
             self._leave_another(desk)
@@ -184,13 +182,13 @@ class Quit(Command):
         if station.attached:
             answers = {**answers, "Leave it running and quit": partial(self._end, desk, LEAVE)}
         text = " ".join((f"The robot is {activity(goal)}.", *published))
-        desk.live.confirm("Quit", text, "Stay", answers)
+        desk.confirm("Quit", text, "Stay", answers)
         return None
 
     async def _end(self, desk: Desk, choice: str) -> None:
         station = desk.station
         await let_go(station.robot, station.clock, choice, "quit")
-        desk.live.leave()
+        desk.leave()
 
     def _leave_another(self, desk: Desk) -> None:
         """Ask before quitting while another client's goal runs.
@@ -203,7 +201,7 @@ class Quit(Command):
         running = f"Another client's goal is running: {what}."
         question = " ".join((running, *_ends_of_publications(station)))
         end = partial(self._end, desk, station.on_disconnect)
-        desk.live.confirm("Quit", question, "Stay", {"Quit": end})
+        desk.confirm("Quit", question, "Stay", {"Quit": end})
 
 
 class QuitEverywhere(Quit):

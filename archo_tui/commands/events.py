@@ -35,7 +35,7 @@ class CopyCommand(_InEvents):
 
     def run(self, desk: Desk) -> None:
         event = desk.main.events.selected[0]
-        desk.live.copy_to_clipboard(event.command or event.text)
+        desk.copy_to_clipboard(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
         desk.show_message(event.command or event.text, title=f"Copied {what}")
 
@@ -60,7 +60,7 @@ class SaveEvents(_InEvents):
 
         text = events_as_text(desk.main.events.shown)
         write = file_writer(desk, text, "save events")
-        desk.live.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
+        desk.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 
 class ShowEvent(_InEvents):
@@ -74,4 +74,4 @@ class ShowEvent(_InEvents):
         from archo_tui.screens.text import ShowText
 
         details = map(event_details, desk.main.events.selected)
-        desk.live.open(ShowText("Event", "\n\n\n".join(details)))
+        desk.open(ShowText("Event", "\n\n\n".join(details)))

@@ -48,7 +48,7 @@ class _GenericCommand(VerbCommand):
 
         names = sorted(self.types_by_name(desk))
         choices = [choice for name in names for choice in self.choices(desk, name)]
-        desk.live.open(Choose(self.help, choices))
+        desk.open(Choose(self.help, choices))
 
     def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return the rows for one action or service: by default one, which opens its form."""
@@ -66,7 +66,7 @@ class _GenericCommand(VerbCommand):
         except ValueError as error:
             desk.show_message(str(error))
             return
-        with desk.live.opening():  # Message classes are read from disk, on another thread.
+        with desk.opening():  # Message classes are read from disk, on another thread.
             message_fields = await in_daemon(desk.station.robot.form, kind)
         if message_fields is None:
             desk.show_message(not_installed(name, kind))
@@ -76,9 +76,7 @@ class _GenericCommand(VerbCommand):
         asking = asking_first(desk, partial(self.question, desk, name, kind), send)
         fields = (*message_fields, *self.more_fields)
         copy = self.copies_command and partial(self.copy, desk, name, kind)
-        desk.live.open(
-            MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None)
-        )
+        desk.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None))
 
     async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
         """Copy the `ros2` command that does the same, or return why not; a subclass defines it."""
@@ -168,7 +166,7 @@ class AnyTopic(_GenericCommand):
             return str(error)
         how_often = given["rate"], given["times"]
         command = ros2_command.publish(name, type_name, message, *how_often)
-        desk.live.copy_to_clipboard(command)
+        desk.copy_to_clipboard(command)
         desk.show_message(command, title="Copied the command")
         return ""
 
@@ -237,7 +235,7 @@ class AnyService(_GenericCommand):
     def _run_verb(desk: Desk, verb: Verb) -> Work | None:
         """Run a verb of the robot file, after its question, or notify why not; STOP as its key."""
         if verb.urgent:
-            desk.live.action_command(verb.id)
+            desk.action_command(verb.id)
             return None
         refusal = verb.refusal(desk.station)
         if refusal:
@@ -277,4 +275,4 @@ class DescribeRobot(Command):
 
         write = file_writer(desk, text, "describe this robot")
         listens = f"Robot file (listens for {LISTENING:g} s first)"
-        desk.live.open(AskPath("Describe this robot", listens, "robot.yaml", write))
+        desk.open(AskPath("Describe this robot", listens, "robot.yaml", write))

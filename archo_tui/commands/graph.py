@@ -28,7 +28,7 @@ class ShowResource(Command):
         if row.resource.kind == TOPIC:
             show_topic(desk, row.resource.name, row.resource.types, in_graph=True)
         else:
-            desk.live.open(ShowText(row.resource.name, row.details))
+            desk.open(ShowText(row.resource.name, row.details))
 
 
 class ShowFrames(Command):
@@ -38,11 +38,11 @@ class ShowFrames(Command):
     def run(self, desk: Desk) -> None:
         from archo_tui.commands.lists import FrameList
 
-        desk.live.open(FrameList(desk))
+        desk.open(FrameList(desk))
 
 
 def show_topic(desk: Desk, name: str, types: Sequence[str], *, in_graph: bool = False) -> None:
     """Open the dialog of a topic, with its live fields, plots, definition and QoS."""
     from archo_tui.commands.topic_dialog import TopicDialog
 
-    desk.live.open(TopicDialog(desk, name, types, in_graph=in_graph))
+    desk.open(TopicDialog(desk, name, types, in_graph=in_graph))

@@ -1,25 +1,17 @@
-"""The dialogs that list alarms, the robot's parts, and the recordings of the black box."""
+"""The dialogs that list alarms, the robot's parts, and the transforms."""
 
 from __future__ import annotations
 
 import asyncio
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from datetime import datetime
-from functools import partial
-from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
+from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.clock import Clock
 from archo_tui.commands.base import Desk
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.recordings import store
-from archo_tui.recordings.store import Recording, length_size_and_why
-from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog, Form
 from archo_tui.station.alarm_board import SHELF_TIME
@@ -31,11 +23,8 @@ from archo_tui.text.alarm import no_alarms_text, timeline
 from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
 from archo_tui.text.frames import transform_lines
 from archo_tui.verbs.show import forget
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, crop
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
-
-if TYPE_CHECKING:
-    from archo_tui.recordings.replay.player import Player
 
 T = TypeVar("T")
 _INDENT = " " * 8
@@ -233,109 +222,3 @@ class FrameList(ListDialog[str]):
     def show_view(self, view: View) -> None:
         """Show the transforms of a new view."""
         self.show_items(transform_lines(view.snapshot.transforms, view.now))
-
-
-def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
-    """Return `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time."""
-    when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
-    return [(crop(f"{when}  {length_size_and_why(recording)}", width), "")]
-
-
-class RecordingList(ListDialog[Recording]):
-    """A list of recordings: enter plays one, y copies the command that plays it, d deletes it."""
-
-    BINDINGS = [
-        Binding("enter", "play", "Play", priority=True),
-        Binding("y", "copy", "Copy the command", priority=True),
-        Binding("d,delete", "delete", "Delete", priority=True),
-    ]
-
-    keys_text = "enter play   y copy the command   d delete   esc close"
-
-    def __init__(self, desk: Desk, recordings: Sequence[Recording]) -> None:
-        """Create the list; the newest recording comes first."""
-        rows: Rows[Recording] = Rows(
-            recording_lines,
-            lambda recording: recording.name,
-            id="recordings",
-            action="screen.play",
-            empty="No recordings.",
-        )
-        super().__init__("Recordings", rows)
-        self._desk, self._recordings = desk, recordings
-
-    def on_mount(self) -> None:
-        self.rows.show_cursor()
-        self.show_items(self._recordings)
-
-    def action_play(self) -> None:
-        """Open the recording under the cursor; keys wait, and a second call is ignored."""
-        if self.rows.item is not None and not self.is_asking:
-            self.is_asking = True
-            start_worker(self.app, partial(self._play, self.rows.item), "replay")
-
-    async def _play(self, recording: Recording) -> None:
-        """Load a recording on another thread; show it in place of the list, or say why not."""
-        try:
-            player = await in_daemon(_open, recording, self._desk.station.clock)
-        except ArchoError as error:
-            said = str(error)
-        except Exception as error:  # A damaged file may raise anything; the live console goes on.
-            said = f"{recording.name}: {in_one_line(error)}"
-        else:
-            if self.is_active and not self.is_dismissed:
-                self.dismiss()
-                self._desk.live.begin_replay(player)
-                return
-            player.close()
-            said = "another dialog was opened meanwhile"
-        finally:
-            self.is_asking = False
-        if not self.is_dismissed:
-            self._refuse(f"not played: {said}")
-
-    def _refuse(self, text: str) -> None:
-        self._desk.report_failure(Outcome(Code.REFUSED, text))
-
-    def action_copy(self) -> None:
-        """Copy the command that plays the recording under the cursor; nothing without one."""
-        if self.rows.item is not None:
-            command = f"archo-tui replay {self.rows.item.name}"
-            self._desk.live.copy_to_clipboard(command)
-            self._desk.show_message(command, title="Copied the command")
-
-    def action_delete(self) -> None:
-        """Ask, and delete the recording under the cursor; nothing happens without one."""
-        if self.rows.item is not None:
-            name = self.rows.item.name
-            answers = {"Delete": partial(self._delete, self.rows.item)}
-            question = f"Delete {name}? It is gone then."
-            self._desk.live.confirm("Delete a recording", question, "Keep it", answers)
-
-    async def _delete(self, recording: Recording) -> None:
-        try:
-            await in_daemon(store.delete, recording)
-        except OSError as error:
-            self._refuse(f"not deleted: {error.strerror or error}")
-        else:
-            note = f"recording {recording.name} deleted"
-            self._desk.station.robot.note("YOU", "console", note)
-        found = await list_recordings(self._desk)
-        if found is not None and not self.is_dismissed:
-            self.show_items(found)
-
-
-def _open(recording: Recording, clock: Clock) -> Player:
-    from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
-
-    bag = open_bag(str(recording.folder))
-    return make_player(bag, load_robot_file(bag, ""), clock)
-
-
-async def list_recordings(desk: Desk) -> list[Recording] | None:
-    """Return the recordings, newest first, or None after showing why they cannot be read."""
-    try:
-        return await in_daemon(store.own_recordings)
-    except ArchoError as error:
-        desk.report_failure(Outcome(Code.REFUSED, str(error)))
-        return None

@@ -83,4 +83,4 @@ def open_node_dialog(desk: Desk, name: str) -> None:
     """Open the dialog of a node with its state, topics and services, log level and lifecycle."""
     from archo_tui.commands.node_dialog import NodeDialog
 
-    desk.live.open(NodeDialog(desk, name))
+    desk.open(NodeDialog(desk, name))

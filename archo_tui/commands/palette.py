@@ -15,7 +15,7 @@ class OpenPalette(Command):
     def run(self, desk: Desk) -> None:
         from archo_tui.commands import palette_choices as palette
 
-        if not any(isinstance(screen, palette.CommandPalette) for screen in desk.live.screen_stack):
+        if not any(isinstance(screen, palette.CommandPalette) for screen in desk.screen_stack):
             rows = partial(palette.palette_choices, desk)
             typed = partial(palette.typed_choices, desk)
-            desk.live.open(palette.CommandPalette("Commands", rows, typed))
+            desk.open(palette.CommandPalette("Commands", rows, typed))

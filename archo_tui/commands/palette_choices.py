@@ -116,7 +116,7 @@ def palette_choices(desk: Desk) -> list[Choice]:
     rows = [
         *first,
         *commands.values(),
-        Choice("Choose a theme", partial(_open_themes, desk), desk.live.theme, words=_THEME_WORDS),
+        Choice("Choose a theme", partial(_open_themes, desk), desk.theme, words=_THEME_WORDS),
         Choice("Save a picture of the screen", partial(_write_screenshot, desk), words=screenshot),
         *_place_choices(desk),
         *_node_choices(desk),
@@ -128,7 +128,7 @@ def palette_choices(desk: Desk) -> list[Choice]:
 
 def _write_screenshot(desk: Desk) -> None:
     """Save the screen as SVG in the user's folder of downloads, once the palette has gone."""
-    desk.live.call_after_refresh(desk.live.deliver_screenshot)
+    desk.call_after_refresh(desk.deliver_screenshot)
 
 
 def typed_choices(desk: Desk, typed: str) -> list[Choice]:
@@ -227,7 +227,7 @@ def _send_numbers(desk: Desk, go: Command, typed: str) -> None:
 def _command_choice(desk: Desk, command: Command) -> Choice:
     key, reason = desk.view.key(command.id), command.disabled_reason(desk)
     words = f"{command.id} {command.help} {_SEARCH_WORDS.get(command.id, '')}"
-    act = partial(desk.live.action_command, command.id)
+    act = partial(desk.action_command, command.id)
     return Choice(command.title, act, key, reason, words)
 
 
@@ -268,14 +268,14 @@ def _topic_choices(desk: Desk) -> Iterator[Choice]:
 
 
 def _open_themes(desk: Desk) -> None:
-    themes = desk.live.available_themes
+    themes = desk.available_themes
     rows = [
         Choice(
             f"Theme {name}",
-            partial(setattr, desk.live, "theme", name),
-            "now" if name == desk.live.theme else "",
+            partial(setattr, desk, "theme", name),
+            "now" if name == desk.theme else "",
             words="dark night" if themes[name].dark else "light bright day",
         )
         for name in sorted(themes, key=lambda name: (name not in _FIRST_THEMES, name))
     ]
-    desk.live.open(Choose("Themes", rows))
+    desk.open(Choose("Themes", rows))

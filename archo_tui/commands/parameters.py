@@ -50,7 +50,7 @@ class Edit(_SetCommand):
         from archo_tui.screens.edit_parameter import EditParameter
 
         send = partial(self.set, desk, parameter)
-        desk.live.open(EditParameter(parameter, send, self.initial_value(parameter)))
+        desk.open(EditParameter(parameter, send, self.initial_value(parameter)))
 
     def initial_value(self, parameter: Parameter) -> Any:
         """Return the value in the field of the dialog at first: by default the present value."""
@@ -144,7 +144,7 @@ class SaveKey(VerbCommand):
                 desk.show_message(f"Saved to {path}.")
             return "" if outcome.ok else outcome.text
 
-        desk.live.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
+        desk.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
 class LoadKey(VerbCommand):
@@ -166,4 +166,4 @@ class LoadKey(VerbCommand):
             return ""
 
         dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)
-        desk.live.open(dialog)
+        desk.open(dialog)

@@ -18,7 +18,7 @@ class SaveUnderName(VerbCommand):
         self.verbs = (verb.id, *others)
 
     def run(self, desk: Desk) -> None:
-        desk.live.open(AskName(desk, self.verb))
+        desk.open(AskName(desk, self.verb))
 
 
 class AskName(Form):

@@ -71,7 +71,7 @@ class FormGoalKey(VerbCommand):
 
         form = desk.view.snapshot.form(kind)
         sends = asking_first(desk, partial(self._go.question, desk.station), send)
-        desk.live.open(MessageForm(kind.title, message_fields, sends, typed, form))
+        desk.open(MessageForm(kind.title, message_fields, sends, typed, form))
         return None
 
 
@@ -93,16 +93,16 @@ class CancelKey(VerbCommand):
     def run(self, desk: Desk) -> Work | None:
         running = desk.station.running_goal
         is_ours = running is not None and running.mine and running.phase != Phase.CANCELLING
-        if desk.live.repeated and not is_ours:
+        if desk.repeated and not is_ours:
             return None
         if running is None and desk.station.robot.publications.active:
             return desk.run_verb(self.verb, {goals.RUNNING: None})
         if running is None:
-            dialog = desk.live.screen
+            dialog = desk.screen
             if isinstance(dialog, Dismissable) and dialog.is_asking:
                 dialog.stop_waiting()
                 return None
-            if not desk.live.copy_selection():
+            if not desk.copy_selection():
                 keys = f"{desk.view.key('quit')} (or {desk.view.key('quit_everywhere')})"
                 desk.show_message(f"No goal is running. Press {keys} to quit.")
             return None
@@ -132,7 +132,7 @@ class StopKey(VerbCommand):
     def run(self, desk: Desk) -> Work | None:
         stops, snapshot = desk.station.robot.stops, desk.view.snapshot
         is_stopped = snapshot.says_stopped and not snapshot.stop_not_obeyed
-        if desk.live.repeated and is_stopped and not stops.superseded:
+        if desk.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
         return super().run(desk)
 
@@ -183,7 +183,7 @@ class GiveKey(VerbCommand):
         why = "" if reading == "ask" else f"The robot does not report {reading}: "
         question = f"{why}{title} or {off.title}?"
         answers = {verb.title: partial(desk.run_verb, verb, {}) for verb in (self._on, off)}
-        desk.live.confirm(title, question, "Leave it", answers)
+        desk.confirm(title, question, "Leave it", answers)
 
 
 def _reported_state(desk: Desk, name: str) -> bool | None:

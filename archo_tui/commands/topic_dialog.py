@@ -405,7 +405,7 @@ class TopicDialog(Dialog[None]):
     def action_copy(self) -> None:
         """Copy the command that shows the topic in a shell, and say so."""
         command = ros2_command.echo(self._topic, self._view.type)
-        self._desk.live.copy_to_clipboard(command)
+        self._desk.copy_to_clipboard(command)
         self._desk.show_message(command, title="Copied the command")
 
     def action_show_type(self) -> None:

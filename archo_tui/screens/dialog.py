@@ -24,9 +24,8 @@ DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in
 
 
 def main_screen(app: App[Any]) -> MainScreen | None:
-    """Return the uppermost main screen beneath the dialogs, such as a replay's; None before one."""
-    mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
-    return mains[-1] if mains else None
+    """Return the main screen beneath the dialogs; None before there is one."""
+    return next((screen for screen in app.screen_stack if isinstance(screen, MainScreen)), None)
 
 
 class DialogHead(Vertical):
@@ -95,8 +94,6 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     _shows_refusal = False
 
     def compose(self) -> ComposeResult:
-        main = main_screen(self.app)
-        self.set_class(main is not None and main.is_replay, "-over-replay")
         self.head = DialogHead()
         yield self.head
         yield from self.body()

@@ -226,11 +226,6 @@ class MainScreen(Base[None]):
         return self._body.region
 
     @property
-    def is_replay(self) -> bool:
-        """True if the screen shows a recording, and so has a time line."""
-        return self._time_line is not None
-
-    @property
     def is_full(self) -> bool:
         """True while one panel fills the screen."""
         return self.has_class("-full")
