@@ -127,10 +127,6 @@ class ArchoApp(KeyedApp):
         self.show_view()
 
     def show_view(self) -> None:
-        goal = self.station.view.snapshot.goal
-        if not self.has_sent and goal is not None and goal.mine:
-            self.has_sent = True
-            start_worker(self, partial(in_daemon, form_history.note_sent_goal), COMMANDS)
         super().show_view()
         if self.is_shown:
             self._show_notices()
@@ -356,10 +352,7 @@ class ArchoApp(KeyedApp):
     async def _recall(self) -> None:
         goals = self.view.snapshot.file.goals
         if goals:
-            form = goals[0].id
-            self.has_sent, before = await in_daemon(
-                lambda: (form_history.has_sent_goal(), form_history.load(form))
-            )
+            before = await in_daemon(form_history.load, goals[0].id)
             since = self.main.goal.typed  # Sent while a slow disk was read; it comes last.
             earlier = [old for old in before if old not in since]
             self.main.goal.set_typed([*earlier, *since][-form_history.MAX_ENTRIES :])

@@ -45,7 +45,6 @@ class Desk(TerminalApp):
 
     main: MainScreen  # Beneath the dialogs.
     view: ScreenState  # Shown now.
-    has_sent = True  # False once it is known that this user has never sent a goal.
     repeated = False  # True while the key that is being handled is held down.
     # The time of the present key or click, and the pause before it, in s; None for neither.
     input: InputTime | None = None
@@ -69,9 +68,7 @@ class Desk(TerminalApp):
         self.view = self._state()
 
     def _state(self) -> ScreenState:
-        never = not self.has_sent
-        station = vars(self.station.view)
-        return ScreenState(**station, keys=self._listed_keys, has_never_sent_goal=never)
+        return ScreenState(**vars(self.station.view), keys=self._listed_keys)
 
     def update_screen(self) -> None:
         """Show the station's present state at once, not only with the next message of the robot."""

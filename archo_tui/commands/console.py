@@ -118,7 +118,7 @@ class KeepKey(VerbCommand):
 
 class ToggleQuiet(Command):
     id = "quiet_alarms"
-    help = "Turn the bell and the desktop notification of new alarms off or on"
+    help = "Turn the bell of new alarms off or on"
 
     def run(self, desk: Desk) -> None:
         station = desk.station

@@ -34,7 +34,8 @@ class CopyCommand(_InEvents):
         return "" if desk.main.events.selected else "no event is selected"
 
     def run(self, desk: Desk) -> None:
-        event = desk.main.events.selected[0]
+        event = desk.main.events.selected
+        assert event is not None
         desk.copy_to_clipboard(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
         desk.show_message(event.command or event.text, title=f"Copied {what}")
@@ -73,5 +74,6 @@ class ShowEvent(_InEvents):
     def run(self, desk: Desk) -> None:
         from archo_tui.screens.text import ShowText
 
-        details = map(event_details, desk.main.events.selected)
-        desk.open(ShowText("Event", "\n\n\n".join(details)))
+        event = desk.main.events.selected
+        assert event is not None
+        desk.open(ShowText("Event", event_details(event)))

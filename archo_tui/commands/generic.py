@@ -11,9 +11,7 @@ from archo_tui.commands.base import Command, Desk, VerbCommand, Work, asking_fir
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.messages import ros2_command
-from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.messages.values import filled
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.model import FormField, GoalKind
@@ -37,7 +35,6 @@ class _GenericCommand(VerbCommand):
 
     more_fields: Sequence[TypedField] = ()  # Behind those of the message.
     form: Mapping[str, FormField] = {}  # Labels, units and limits of them.
-    copies_command = False  # True if its form has a button that calls `copy`.
 
     def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
         """Return the actions or services on the graph: the types of each by its full name."""
@@ -75,12 +72,7 @@ class _GenericCommand(VerbCommand):
         send = partial(self.send, desk, name, kind)
         asking = asking_first(desk, partial(self.question, desk, name, kind), send)
         fields = (*message_fields, *self.more_fields)
-        copy = self.copies_command and partial(self.copy, desk, name, kind)
-        desk.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None))
-
-    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
-        """Copy the `ros2` command that does the same, or return why not; a subclass defines it."""
-        raise NotImplementedError
+        desk.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form))
 
     def question(
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
@@ -134,7 +126,6 @@ class AnyTopic(_GenericCommand):
         RATE: FormField(label="Rate", unit="Hz", low=0.01, high=MAX_RATE),
         TIMES: FormField(label="Times (0: until cancelled)", low=0),
     }
-    copies_command = True
 
     def __init__(self, verb: Publish) -> None:
         super().__init__(verb)
@@ -156,19 +147,6 @@ class AnyTopic(_GenericCommand):
         except ValueError:  # `send` says why.
             return None
         return self.verb.question(desk.station, given)
-
-    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
-        try:
-            given = _publish_values(name, values)
-            message_class = await in_daemon(load_class, type_name)
-            message = filled(message_class(), given["fields"])
-        except ValueError as error:
-            return str(error)
-        how_often = given["rate"], given["times"]
-        command = ros2_command.publish(name, type_name, message, *how_often)
-        desk.copy_to_clipboard(command)
-        desk.show_message(command, title="Copied the command")
-        return ""
 
     async def send(
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]

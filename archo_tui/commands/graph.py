@@ -26,7 +26,7 @@ class ShowResource(Command):
         row = desk.main.graph.selected
         assert row is not None
         if row.resource.kind == TOPIC:
-            show_topic(desk, row.resource.name, row.resource.types, in_graph=True)
+            show_topic(desk, row.resource.name, row.resource.types)
         else:
             desk.open(ShowText(row.resource.name, row.details))
 
@@ -41,8 +41,8 @@ class ShowFrames(Command):
         desk.open(FrameList(desk))
 
 
-def show_topic(desk: Desk, name: str, types: Sequence[str], *, in_graph: bool = False) -> None:
+def show_topic(desk: Desk, name: str, types: Sequence[str]) -> None:
     """Open the dialog of a topic, with its live fields, plots, definition and QoS."""
     from archo_tui.commands.topic_dialog import TopicDialog
 
-    desk.open(TopicDialog(desk, name, types, in_graph=in_graph))
+    desk.open(TopicDialog(desk, name, types))

@@ -17,5 +17,4 @@ class OpenPalette(Command):
 
         if not any(isinstance(screen, palette.CommandPalette) for screen in desk.screen_stack):
             rows = partial(palette.palette_choices, desk)
-            typed = partial(palette.typed_choices, desk)
-            desk.open(palette.CommandPalette("Commands", rows, typed))
+            desk.open(palette.CommandPalette("Commands", rows))

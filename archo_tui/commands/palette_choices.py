@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import re
-import shlex
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from archo_tui.commands import graph, nodes, parameters
 from archo_tui.commands.base import Command, Desk
 from archo_tui.errors import ArchoError
-from archo_tui.robot.graph.parameter_values import parse
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state.graph import Parameter
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Go
 from archo_tui.verbs.names import topics_of
-from archo_tui.verbs.parameters import Set
-from archo_tui.verbs.verb import Values, Verb, run_when_ready
+from archo_tui.verbs.verb import Verb
 from archo_tui.widgets.screen_state import ScreenState
 
-_NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
 _FIRST = ("release", "go", "cancel", "stop")
 _DUPLICATES = ("palette", "quit_everywhere")  # The same commands by another key.
 _FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
@@ -90,14 +83,10 @@ class CommandPalette(Choose):
         title: str,
         # Called now, and each second for keys and reasons.
         list_choices: Callable[[], Sequence[Choice]],
-        typed_choices: Callable[[str], Sequence[Choice]],
     ) -> None:
         super().__init__(title, list_choices())
-        self._list_choices, self._typed_choices = list_choices, typed_choices
+        self._list_choices = list_choices
         self._second = 0.0  # The second of the last update.
-
-    def _matches(self) -> Sequence[Choice]:
-        return [*self._typed_choices(self._narrow.value), *super()._matches()]
 
     def show_view(self, view: ScreenState) -> None:
         """Update keys, values and reasons of the rows, which keep their places, once a second."""
@@ -131,57 +120,6 @@ def _write_screenshot(desk: Desk) -> None:
     desk.call_after_refresh(desk.deliver_screenshot)
 
 
-def typed_choices(desk: Desk, typed: str) -> list[Choice]:
-    """Return a row for a line that is a command by itself: `12 7`, or `set max_speed 0.2`."""
-    return [*_goal_choices(desk, typed), *_set_choices(desk, typed)]
-
-
-def _set_choices(desk: Desk, typed: str) -> list[Choice]:
-    """Return a row that sets a parameter, as `Set motor_controller max_speed to 0.2`, or no row."""
-    edit, verb = parameters.Edit(), Set()
-    if all(command.id != edit.id for command in desk.registry):
-        return []  # A replay has no commands that act.
-    try:
-        values = verb.values(shlex.split(typed.removeprefix(f"{verb.id} ")))
-        found = verb.find_parameter(desk.station, values)
-        reason = edit.disabled_reason(desk) or _mistake(found, values["value"])
-    except (ArchoError, ValueError):
-        return []
-    title = f"Set {found.node.lstrip('/')} {found.name} to {values['value']}"
-    return [Choice(title, partial(_set, desk, verb, values), "enter", reason)]
-
-
-def _mistake(parameter: Parameter, typed: str) -> str:
-    """Return why a parameter cannot have a typed value, or ""."""
-    try:
-        parse(parameter, typed)
-    except ValueError as error:
-        return str(error)
-    return ""
-
-
-async def _set(desk: Desk, verb: Set, values: Values) -> None:
-    try:
-        outcome = await run_when_ready(desk.station, verb, values)
-    except (ArchoError, ValueError) as error:
-        outcome = Outcome(Code.MISUSE, f"not set: {error}")
-    desk.report_failure(outcome)
-
-
-def _goal_choices(desk: Desk, typed: str) -> list[Choice]:
-    """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`, or no row."""
-    go = _go_command(desk)
-    kinds, panel = desk.view.snapshot.file.goals, desk.main.goal
-    words = typed.split()
-    if go is None or not kinds or not panel.takes_numbers or not words:
-        return []
-    if not all(_NUMBER.fullmatch(word) for word in words):
-        return []
-    reason = go.disabled_reason(desk) or panel.refusal(typed)
-    title = f"{kinds[0].title} {', '.join(words)}"
-    return [Choice(title, partial(_send_numbers, desk, go, typed), "enter", reason)]
-
-
 def _go_command(desk: Desk) -> Command | None:
     """Return the command that sends a goal; None in a replay."""
     return next((c for c in desk.registry if c.id == "go" and c.is_listed), None)
@@ -213,15 +151,6 @@ async def _drive_to(desk: Desk, verb: Verb, name: str) -> None:
     work = desk.run_verb(verb, values)
     if work is not None:
         await work
-
-
-def _send_numbers(desk: Desk, go: Command, typed: str) -> None:
-    """Send typed numbers as goals, or show as a notification why they cannot be sent now."""
-    reason = go.disabled_reason(desk) or desk.main.goal.refusal(typed)
-    if reason:
-        desk.show_message(f"not sent: {reason}")
-    else:
-        desk.main.goal.send_numbers(typed)
 
 
 def _command_choice(desk: Desk, command: Command) -> Choice:

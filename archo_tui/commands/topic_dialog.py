@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from textual.app import ComposeResult
@@ -16,7 +16,7 @@ from archo_tui.commands.generic import AnyTopic
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
-from archo_tui.robot.state.graph import TOPIC, TopicInfo
+from archo_tui.robot.state.graph import TopicInfo
 from archo_tui.robot.state.topic import (
     SHOWN_ELEMENTS,
     FieldKind,
@@ -25,13 +25,13 @@ from archo_tui.robot.state.topic import (
     TopicView,
 )
 from archo_tui.ros_names import base_name
-from archo_tui.screens.dialog import Dialog, Form, main_screen
-from archo_tui.screens.main import MainScreen
+from archo_tui.screens.dialog import HEAD_FROM, Dialog
+from archo_tui.screens.main import TALL, WIDE
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.text.graph import topic_lines
 from archo_tui.text.state import WARN
-from archo_tui.text.topic import element_index, element_range, summary
+from archo_tui.text.topic import summary
 from archo_tui.widgets.field_lines import (
     curve_columns,
     field_columns,
@@ -47,36 +47,10 @@ from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
-_WIDE = 160  # Columns from which the Graph stays in sight beside it.
-_LEAST_BESIDE = 80  # Columns that it takes at least then.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
 _PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
-_KEYS = "p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
+_KEYS = "enter fold  p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
-_FOLD_KEYS = "enter fold"
-_ELEMENT_KEYS = "i element"  # Behind them while an array is open.
-
-
-class AskElement(Form):
-    """The dialog that asks for the index of an element of an open array."""
-
-    submit_label = "Go"
-
-    def __init__(
-        self, array: str, length: Callable[[], int], go: Callable[[str, int], object]
-    ) -> None:
-        text = f"Index of {element_range(array, length())}"
-        super().__init__("element", title="Element", text=text)
-        self._array, self._length, self._go = array, length, go
-
-    def submit(self, typed: str) -> None:
-        try:
-            index = element_index(typed, self._array, self._length())
-        except ValueError as error:
-            self.show_message(str(error))
-        else:
-            self.dismiss()
-            self._go(self._array, index)
 
 
 class TopicDialog(Dialog[None]):
@@ -86,35 +60,30 @@ class TopicDialog(Dialog[None]):
     topic is subscribed to while the dialog is open.
     """
 
-    # Where the line of titles, and then the ends, have no room.
-    VERTICAL_BREAKPOINTS = [(0, "-lowest"), (14, "-low"), (20, "-high")]
+    # Where the line of titles, and then the ends, have no room, and where the Graph is in sight.
+    VERTICAL_BREAKPOINTS = [(0, "-lowest"), (14, "-low"), (HEAD_FROM, "-high"), (TALL, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (WIDE, "-wide")]
 
     BINDINGS = [
         ("escape", "leave", "Leave the search, or close"),
         ("q", "close", "Close"),
         ("enter", "fold", "Open or close a message or an array"),
-        ("i", "choose_element", "Go to an element of an open array by its index"),
         ("p", "plot", "Plot the field, or plot it no more"),
         ("P", "publish", "Publish a message to the topic"),
         ("space", "freeze", "Show no newer messages, or show them again"),
         ("slash", "narrow", "Show the fields whose path has a text"),
         ("t", "show_type", "The definition of the type"),
         ("y", "copy", "Copy the ros2 command that shows the topic"),
-        ("left", "step(-1)", "Look into the topic above, in Graph"),
-        ("right", "step(1)", "Look into the topic below, in Graph"),
     ]
 
-    def __init__(self, desk: Desk, name: str, types: Sequence[str], *, in_graph: bool) -> None:
-        """Create the dialog; `in_graph` if the arrows lead to the topics beside, in Graph."""
+    def __init__(self, desk: Desk, name: str, types: Sequence[str]) -> None:
         super().__init__()
-        self._desk, self._in_graph = desk, in_graph
-        self._topic, self._types = name, types
+        self._desk, self._topic, self._types = desk, name, types
         self._view = TopicView(name)
         self._folded: set[str] = set()  # The groups that are folded, by path.
         self._open_arrays: Mapping[str, int] = {}
         self._plotted: list[str] = []
         self._is_frozen = False
-        self._margin = 0, 0, 0, 0
         self._border = "", ""  # The texts on it: topic and type, and the keys.
         self._summary, self._titles = Line(classes="summary"), Line(classes="titles")
         self._rows: Rows[FieldView] = Rows(
@@ -142,39 +111,17 @@ class TopicDialog(Dialog[None]):
                 yield Static(id="topic-ends-text")
 
     def on_mount(self) -> None:
+        self.set_class(bool(self._desk.view.replay), "-over-replay")
         self._rows.show_cursor()
         self.set_focus(self._rows)
         self._show(self._view)
         start_worker(self, self._follow_topic, _GROUP)
 
     async def _follow_topic(self) -> None:
-        topic = self._topic
-        show = partial(self._receive, topic)
-        await self._desk.station.robot.follow_topic(topic, self._request, show)
+        await self._desk.station.robot.follow_topic(self._topic, self._request, self._receive)
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._show_again)
-
-    def _cover_panels(self) -> None:
-        """Set the margins of the box so that it covers the panels, and nothing around them."""
-        main = main_screen(self.app)
-        # A dialog that goes has no widgets any more.
-        if main is not None and self.head.is_attached:
-            covered = main.panels_region
-            above = covered.y - self.head.rows
-            below = main.size.height - covered.bottom - 1  # The footer has one of its own.
-            left, down = self._uncovered_cells(main)
-            margin = max(above, 0) + down, 0, max(below, 0), left
-            if margin != self._margin:  # Setting it lays out the whole box.
-                self._margin = self._box.styles.margin = margin
-
-    def _uncovered_cells(self, main: MainScreen) -> tuple[int, int]:
-        """Return the columns of Graph and the rows of the goal that stay in sight."""
-        graph = main.graph
-        is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
-        if not is_left or main.size.width < _WIDE:
-            return 0, 0
-        return graph.region.right, main.parameters.region.y - main.panels_region.y
 
     def _request(self) -> TopicRequest:
         top = self._rows.scroll_offset.y
@@ -187,8 +134,8 @@ class TopicDialog(Dialog[None]):
             plot_columns(self._plot.size.width) if self._plotted else 0,
         )
 
-    def _receive(self, topic: str, view: TopicView) -> None:
-        if topic != self._topic or self.is_dismissed:
+    def _receive(self, view: TopicView) -> None:
+        if self.is_dismissed:
             return
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
@@ -221,7 +168,6 @@ class TopicDialog(Dialog[None]):
             self._summary.show_spans(((not_drawn(error), WARN),))
 
     def _draw_view(self, view: TopicView, had_ends: TopicInfo | None) -> None:
-        self._cover_panels()  # The screen behind it may have been laid out since.
         self._show_border()
         self._summary.show_spans(summary(view, is_frozen=self._is_frozen))
         if view.ends is not None and view.ends != had_ends:
@@ -233,12 +179,7 @@ class TopicDialog(Dialog[None]):
         view, width = self._view, self._box.outer_size.width or self.app.size.width
         kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
         title = escape(f"{view.topic}   {kind}".rstrip())
-        element = f"{_ELEMENT_KEYS}  " if self._open_arrays else ""
-        keys = f"{_FOLD_KEYS}  {element}{_KEYS}"
-        if width <= len(keys) + 4:
-            keys = f"{element}{_FEW_KEYS}"
-        if self._margin[3]:  # Beside the Graph.
-            keys = f"← → topic  {keys}"
+        keys = _KEYS if width > len(_KEYS) + 4 else _FEW_KEYS
         if (title, keys) != self._border:  # Setting it draws the whole box.
             self._border = title, keys
             self._box.border_title, self._box.border_subtitle = title, keys
@@ -250,10 +191,6 @@ class TopicDialog(Dialog[None]):
         self._rows.empty = f"no field has {self._search.search_text}" if shown else ""
         self._rows.show(found)
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
-
-    @property
-    def _open_views(self) -> list[FieldView]:
-        return [field for field in self._view.fields if field.is_open]
 
     def _is_folded(self, path: str) -> bool:
         return any(path.startswith((f"{closed}.", f"{closed}[")) for closed in self._folded)
@@ -316,42 +253,23 @@ class TopicDialog(Dialog[None]):
             open_arrays[array] = following if following < length else 0
         self._show_elements(open_arrays)
 
-    def action_choose_element(self) -> None:
-        """Ask for an index of the array around the cursor, or of the first one."""
-        item = self._rows.item
-        here, arrays = "" if item is None else item.path, self._open_views
-        around = [a for a in arrays if here == a.path or here.startswith(f"{a.path}[")]
-        array = next(iter([*reversed(around), *arrays]), None)
-        if array is None:
-            self.notify("Open an array first: enter on its row.", markup=False)
-        else:
-            path = array.path
-            self.app.push_screen(AskElement(path, partial(self._length, path), self._go_to_element))
-
-    def _length(self, array: str) -> int:
-        """Return the present number of elements of an open array; 0 once it is closed."""
-        return next((int(a.value or 0) for a in self._open_views if a.path == array), 0)
-
-    def _go_to_element(self, array: str, index: int) -> None:
-        self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
-
-    def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
+    def _show_elements(self, open_arrays: Mapping[str, int]) -> None:
         """Open exactly these arrays (by path, with the first element), and close all others.
 
         The elements are read on another thread; keys are held until they are shown.
         """
         self._open_arrays = open_arrays
         self.is_asking = True
-        start_worker(self.app, partial(self._read_elements, cursor), _GROUP)
+        start_worker(self.app, self._read_elements, _GROUP)
 
-    async def _read_elements(self, cursor: str) -> None:
-        topic, view, shown = self._topic, self._view, self._view
+    async def _read_elements(self) -> None:
+        view = shown = self._view
         try:
             if view.with_elements is not None:
                 shown = await in_daemon(view.with_elements, view, self._open_arrays)
         finally:
             self.is_asking = False
-        if topic != self._topic or self.is_dismissed:
+        if self.is_dismissed:
             return
         if self._is_frozen:  # A newer view has the same message.
             view, shown = (
@@ -362,9 +280,6 @@ class TopicDialog(Dialog[None]):
             )
         if self._view is view:  # Otherwise a newer message is shown, with the elements.
             self._show(shown)
-        paths = [field.path for field in self._rows.items]
-        if cursor in paths:
-            self._rows.move_to(paths.index(cursor))
 
     def action_plot(self) -> None:
         """Plot the field under the cursor if it is a number, or remove its plot."""
@@ -379,23 +294,6 @@ class TopicDialog(Dialog[None]):
             self.notify(f"{field.path} is no number", severity="warning", markup=False)
         self._rows.redraw_changed()
         self._show_plots()
-
-    def action_step(self, by: int) -> None:
-        """Show the topic below (1) or above (-1) in the Graph in place of this one, all anew."""
-        row = self._desk.main.graph.step(by, TOPIC) if self._in_graph else None
-        if row is None:
-            return
-        self.workers.cancel_group(self, _GROUP)
-        self._topic, self._types = row.resource.name, row.resource.types
-        self._view = TopicView(self._topic)
-        self._folded.clear()
-        self._open_arrays = {}
-        self._plotted.clear()
-        self._is_frozen = False
-        self._search.close()
-        self.set_text("#topic-ends-text", Content(""))
-        self._show(self._view)
-        start_worker(self, self._follow_topic, _GROUP)
 
     def action_freeze(self) -> None:
         """Keep the message that is shown, or show new ones again; age and rate go on."""
@@ -415,10 +313,9 @@ class TopicDialog(Dialog[None]):
             start_worker(self.app, self._show_type, _GROUP)
 
     async def _show_type(self) -> None:
-        topic = self._topic
         try:
             text = await in_daemon(definitions_text, self._types)
         finally:
             self.is_asking = False
-        if topic == self._topic and not self.is_dismissed:
-            self.app.push_screen(ShowText(topic, text))
+        if not self.is_dismissed:
+            self.app.push_screen(ShowText(self._topic, text))

@@ -19,7 +19,7 @@ from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.notices import NoticeLine
 
-_HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
+HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
 
@@ -57,7 +57,7 @@ class DialogHead(Vertical):
     @property
     def rows(self) -> int:
         """The number of rows that the lines take; 0 in a terminal that is too low for them."""
-        has_room = self.app.size.height >= _HEAD_FROM
+        has_room = self.app.size.height >= HEAD_FROM
         return len(self._main.head) if self._main is not None and has_room else 0
 
     def _show(self) -> None:

@@ -10,7 +10,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.content import Content
-from textual.geometry import Region, Size
+from textual.geometry import Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -41,7 +41,7 @@ from archo_tui.widgets.search import Search
 
 P = TypeVar("P", bound=Panel)
 
-_WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
+WIDE, TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
 _NARROW = 80  # Cells below which panels lie one below the other.
 _NORMAL, _HIGH = 110, 44  # Cells from which on the history is below.
@@ -75,9 +75,9 @@ class MainScreen(Base[None]):
     """
 
     HORIZONTAL_BREAKPOINTS = [
-        *[(0, "-tiny"), (_NARROW, "-narrow"), (_NORMAL, "-normal"), (_WIDE, "-wide")]
+        *[(0, "-tiny"), (_NARROW, "-narrow"), (_NORMAL, "-normal"), (WIDE, "-wide")]
     ]
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall"), (_HIGH, "-high")]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (TALL, "-tall"), (_HIGH, "-high")]
 
     class Broken(Message):
         """The message that a panel cannot be drawn, and why; posted when the reason is new."""
@@ -221,11 +221,6 @@ class MainScreen(Base[None]):
         return any(widget.id == "stop" for widget, _ in self.get_widgets_at(x, y))
 
     @property
-    def panels_region(self) -> Region:
-        """The cells that the panels share, without header and footer; empty before a layout."""
-        return self._body.region
-
-    @property
     def is_full(self) -> bool:
         """True while one panel fills the screen."""
         return self.has_class("-full")
@@ -262,7 +257,7 @@ class MainScreen(Base[None]):
 
     @property
     def _is_wide(self) -> bool:
-        return self.size.width >= _WIDE and self.size.height >= _TALL
+        return self.size.width >= WIDE and self.size.height >= TALL
 
     @property
     def _is_large(self) -> bool:
@@ -300,7 +295,7 @@ class MainScreen(Base[None]):
         if self._is_wide:
             most = height - max(_MIN_EVENTS, height // 3)
             return f"{max(goal + self._parameter_rows(most - goal), _MIN_HISTORY)} 1fr"
-        few_events = _MIN_EVENTS if self.size.height >= _TALL else _FEW_EVENTS
+        few_events = _MIN_EVENTS if self.size.height >= TALL else _FEW_EVENTS
         if self.size.width >= _NORMAL:
             above = (p for p in self._panels if p.place == "left" and p.number < self.nodes.number)
             left = sum(panel.outer_size.height for panel in above) + nodes
@@ -430,7 +425,7 @@ class MainScreen(Base[None]):
         line.show(notices, self.size.width)
         if notices:
             row = max(len(self.head) - 1, 0) + self.is_banner_needed
-            stop = self.query_one("#stop").region.intersection(self.panels_region)
+            stop = self.query_one("#stop").region.intersection(self._body.region)
             if stop and row < stop.bottom and stop.y < row + line.rows:
                 row = stop.bottom
             line.styles.offset = 0, row

@@ -49,11 +49,8 @@ class MessageForm(Dialog[None]):
         typed: dict[str, str],
         # Labels, units and limits of the robot file, by path.
         form: Mapping[str, FormField] | None = None,
-        # Copies the command that does the same in a shell, or returns why not; None: no button.
-        copy: Callable[[Mapping[str, Any]], Awaitable[str]] | None = None,
     ) -> None:
         super().__init__()
-        self._copy_command = copy
         self.title, self._message_fields, self._send = title, message_fields, send
         self._typed, self._form = typed, form or {}
         self._fields: list[Field] = []
@@ -75,8 +72,6 @@ class MessageForm(Dialog[None]):
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
                 yield Button("Cancel", self.action_close, id="leave")
-                if self._copy_command is not None:
-                    yield Button("Copy command", partial(self._copy, self._copy_command), id="copy")
                 yield Button("Send", self.action_send, id="send")
 
     @property
@@ -141,15 +136,6 @@ class MessageForm(Dialog[None]):
             self.is_asking = True
             self.show_message("asking the robot ...   esc stops waiting")
             start_worker(self.app, partial(self._send_values, values), COMMANDS)
-
-    def _copy(self, copy: Callable[[Mapping[str, Any]], Awaitable[str]]) -> None:
-        values = self._values_of_yaml() if self._is_yaml else self._values()
-        if values is not None:
-
-            async def copy_and_tell() -> None:
-                self.show_message(await copy(values))
-
-            start_worker(self.app, copy_and_tell, COMMANDS)
 
     def action_close(self) -> None:
         """Close the dialog; while an answer is due, warn that what was sent is not taken back."""

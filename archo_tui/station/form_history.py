@@ -1,15 +1,13 @@
 """The texts that the operator typed into forms before, kept over restarts.
 
-A few dozen entries are kept per form, in the state folder. Beside them an empty file notes that
-this user has sent a goal before. All functions touch the disk and may be called on any thread but
-the loop's.
+A few dozen entries are kept per form, in the state folder. All functions touch the disk and may be
+called on any thread but the loop's.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import os
 import threading
 from typing import Any
 
@@ -18,7 +16,6 @@ from archo_tui.regular_files import read, replace
 
 MAX_ENTRIES = 50  # That are kept of one form.
 _FILE = "typed.json"
-_GOAL_SENT_FILE = "goal_sent"
 
 _writing = threading.Lock()  # Two goals may be sent at once.
 
@@ -42,19 +39,6 @@ def add(form: str, typed: list[str]) -> None:
         others = [texts for texts in _entries(known, form) if texts != typed]
         make_folder(path)
         replace(path, json.dumps({**known, form: [*others, typed][-MAX_ENTRIES:]}))
-
-
-def has_sent_goal() -> bool:
-    """Return True if this user has ever sent a goal; False also if the file cannot be read."""
-    return os.path.exists(state_file(_GOAL_SENT_FILE))
-
-
-def note_sent_goal() -> None:
-    """Record that this user has sent a goal; errors of the disk are ignored."""
-    path = state_file(_GOAL_SENT_FILE)
-    with contextlib.suppress(OSError):
-        make_folder(path)
-        path.touch(mode=0o600)
 
 
 def _read() -> dict[str, Any]:

@@ -35,7 +35,6 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
-from archo_tui.terminal.notification import desktop_notification
 from archo_tui.terminal.stop_marks import stops_before
 from archo_tui.terminal.themes import (
     HIGH_CONTRAST,
@@ -214,12 +213,9 @@ class TerminalApp(App[None]):
             start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Ring the bell and notify the desktop of new alarms of high priority, unless quiet."""
-        news = self.station.bell.take_new(alarms)
-        if news and not self.station.quiet:
+        """Ring the bell for new alarms of high priority, unless quiet."""
+        if self.station.bell.take_new(alarms) and not self.station.quiet:
             self.bell()
-            if self.terminal is not None:
-                self.terminal.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
         """Draw the whole screen again, since the terminal may show something else."""

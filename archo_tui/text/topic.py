@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from datetime import datetime
 
 from archo_tui.robot.state.topic import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
@@ -12,8 +11,6 @@ from archo_tui.safe_text import harmless
 from archo_tui.text.inspect import size_text
 from archo_tui.text.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, share, thousands
 
-_INDEX = re.compile(r"[0-9]{1,9}")
-_SHOWN = 12  # Characters of a wrong index that its error quotes.
 _FIRST_DATE = 1e8  # Unix seconds; an earlier stamp is a simulation's or a robot's own time.
 _LAST_DATE = 2e11  # No later one can be written as a date.
 
@@ -78,24 +75,6 @@ def range_text(field: FieldView) -> str:
     if field.nan:
         parts.append(f"{field.nan} nan")
     return ", ".join(parts)
-
-
-def element_range(array: str, length: int) -> str:
-    """Return `ranges: 0 .. 359`, the indices of an array's elements, or that it is empty."""
-    name = array.rpartition(".")[2]
-    return f"{name}: 0 .. {length - 1}" if length else f"{name}: it is empty"
-
-
-def element_index(typed: str, array: str, length: int) -> int:
-    """Return the index that somebody typed; a ValueError says what is allowed."""
-    text = typed.strip()
-    if _INDEX.fullmatch(text) and int(text) < length:
-        return int(text)
-    elements = element_range(array, length)
-    if not text:
-        raise ValueError(f"type an index of {elements}")
-    shown = harmless(text) if len(text) <= _SHOWN else f"{harmless(text[:_SHOWN])}…"
-    raise ValueError(f"no element {shown} of {elements}")
 
 
 def _short(value: float) -> str:

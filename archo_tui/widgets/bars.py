@@ -96,8 +96,7 @@ def banner(view: ScreenState, width: int) -> Content:
     """Return the most important alarm with its advice, and how many others there are.
 
     An assistant's request takes its place, unless an alarm of high priority is active and
-    unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys, but
-    those that the field with the focus takes as text, or is for. An active unacknowledged alarm is
+    unacknowledged. An active unacknowledged alarm is
     reversed over the whole width, but not in a replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
@@ -106,9 +105,7 @@ def banner(view: ScreenState, width: int) -> Content:
     names = [alarm.name for alarm in view.alarms if alarm.state == AlarmState.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
-        if shelved:
-            return Content.styled(f" {shelved}", "$quiet")
-        return _first_keys(view, width)
+        return Content.styled(f" {shelved}" if shelved else "", "$quiet")
     alarm, key = shown[0], view.key("ack")
     more = f"   +{_count(len(shown) - 1, 'alarm')}" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
@@ -187,25 +184,6 @@ def _shorten_cause(text: str, room: int) -> str:
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
-
-
-def _first_keys(view: ScreenState, width: int) -> Content:
-    """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator."""
-    robot = view.snapshot.file
-    if not view.has_never_sent_goal or view.watching or not robot.goals:
-        return Content("")
-    words = {"go": robot.goals[0].title.lower(), "help": "keys"}
-    given = next((command for command in robot.commands if view.key(command.id)), None)
-    if given is not None:
-        words[given.id] = (given.help or given.title).partition(",")[0].lower()
-    shown: list[Content] = []  # As many as fit.
-    for name, word in words.items():
-        if (key := view.key(name)) and name not in view.typed:
-            hint = key_content(name, key, word, blocked=name in view.blocked)
-            width -= hint.cell_length + 3
-            if width >= 0:
-                shown.append(hint)
-    return Content.assemble(" ", Content("   ").join(shown)).stylize_before("$quiet")
 
 
 class FooterKey(NamedTuple):

@@ -211,29 +211,11 @@ class GoalPanel(Panel):
             self.screen.set_focus(self.fields[0])
         self.send(goals, typed)
 
-    @property
-    def takes_numbers(self) -> bool:
-        """Return True if a goal is a single number, so that a line may have several goals."""
-        return len(self._message_fields) == 1 and is_number(self._message_fields[0])
-
-    def refusal(self, typed: str) -> str:
-        """Return why a text that was typed elsewhere, such as `7 3`, gives no goals, or ""."""
-        try:
-            goals = self._parse(self._kind, [typed]) if self._kind is not None else []
-        except _InvalidTextError as error:
-            return str(error)
-        return "" if goals else "no number"
-
-    def send_numbers(self, typed: str) -> None:
-        """Send goals that were typed elsewhere, as `7 3`; the form keeps its text."""
-        why = WATCHING if self._watching else self.refusal(typed)
-        self.show_hint(why)
-        if not why and self._kind is not None:
-            self.send(self._parse(self._kind, [typed]), [typed])
-
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
         """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text."""
-        rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
+        # A line may have several goals if a goal is a single number.
+        takes_several = len(self.fields) == 1 and is_number(self._message_fields[0])
+        rows = [[word] for word in typed[0].split()] if takes_several else [typed]
         goals, form = [], self._snapshot.form(kind)
         for row in rows:
             values: dict[str, Any] = {}

@@ -83,16 +83,6 @@ class GraphPanel(Panel):
         """Return the row under the cursor; None in an empty list."""
         return self._rows.item
 
-    def step(self, by: int, kind: str) -> ResourceRow | None:
-        """Move the cursor to the next (1) or previous (-1) row of a kind; None if there is none."""
-        following = range(self._rows.cursor + by, len(self._rows.items) if by > 0 else -1, by)
-        found = (n for n in following if self._rows.items[n].resource.kind == kind)
-        number = next(found, None)
-        if number is None:
-            return None
-        self._rows.move_to(number)
-        return self._rows.item
-
     @property
     def focus_target(self) -> Widget:
         return self._rows

@@ -20,7 +20,6 @@ class ScreenState(View):
     blocked: frozenset[str] = frozenset()  # The ids of the commands that cannot run now.
     # The ids of the commands whose keys the focused field takes as text, and of what it is for.
     typed: frozenset[str] = frozenset()
-    has_never_sent_goal: bool = False  # This user, in earlier sessions either.
 
     def advice(self, alarm: Alarm) -> str:
         """Return the text of an alarm, with the key of the command that helps if it can run now."""

@@ -181,17 +181,6 @@ async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -
         assert first(op, 1) == ["Release the stop (asks first)"]
 
 
-async def test_a_parameter_is_set_by_the_line_of_the_shell() -> None:
-    async with console(*FAST) as op:
-        for line, name in (("set max_speed 0.2", "max_speed"), ("wheel_radius 9", "wheel_radius")):
-            await op.press("ctrl+p")
-            await op.type(line)
-            assert first(op) == [f"Set motor_controller {name} to {line.split()[-1]}"]
-            await op.press("enter")
-        await op.until("not set: motor_controller wheel_radius: allowed 0.01 .. 0.5, not 9")
-        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.2)  # type: ignore[union-attr]
-
-
 async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> None:
     async with console(*FAST) as op:
         op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")

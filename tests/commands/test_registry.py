@@ -64,9 +64,8 @@ KEYS = {
     "ListDialog": {"escape": "close", "q": "close"},
     "DiagnosticList": {"f": "forget", "enter": "close"},
     "TopicDialog": {
-        "enter": "fold", "i": "choose_element", "p": "plot", "P": "publish", "space": "freeze",
+        "enter": "fold", "p": "plot", "P": "publish", "space": "freeze",
         "slash": "narrow", "t": "show_type", "y": "copy", "escape": "leave", "q": "close",
-        "left": "step(-1)", "right": "step(1)",
     },
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
