@@ -21,7 +21,8 @@ from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
-from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.base import Dismissable
+from archo_tui.screens.dialog import Confirm, ShowText
 from archo_tui.screens.main import MainScreen
 from archo_tui.shutdown import RESTART
 from archo_tui.station import form_history
@@ -31,7 +32,7 @@ from archo_tui.terminal.stop_marks import now
 from archo_tui.user_code.output import NodeOutput
 from archo_tui.verbs.goals import GOALS
 from archo_tui.verbs.verb import Values, Verb
-from archo_tui.widgets.notices import DURATIONS, Notice, NoticeLine, with_newest
+from archo_tui.widgets.bars import DURATIONS, Notice, NoticeLine, with_newest
 
 if TYPE_CHECKING:
     from archo_tui.recordings.replay.player import Player
@@ -94,8 +95,6 @@ class ArchoApp(KeyedApp):
         if self._player is not None:
             start_worker(self, partial(self._player.follow, self.update_screen), "play")
         if self._failed_before:
-            from archo_tui.screens.text import ShowText
-
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
             self.push_screen(ShowText("An error of the console", text))
@@ -266,8 +265,6 @@ class ArchoApp(KeyedApp):
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        from archo_tui.screens.confirm import Confirm
-
         if isinstance(self.screen, Confirm):
             said = f"{title}: answer the question that is asked already first."
             self.notify(said, severity="warning", markup=False)

@@ -15,8 +15,8 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from archo_tui.commands.base import EVERYWHERE, Command, Desk
+from archo_tui.screens.base import Dismissable
 from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import (
@@ -28,8 +28,8 @@ from archo_tui.terminal.stop_marks import (
     stops_before,
     typed_after,
 )
+from archo_tui.widgets.bars import NoticeLine
 from archo_tui.widgets.field import Field
-from archo_tui.widgets.notices import NoticeLine
 from archo_tui.widgets.rows import Rows
 
 # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s. They count

@@ -33,7 +33,7 @@ STORY: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("ctrl+p", "s", "p"), "max_speed", 2.5),
     (("enter",), "0.05 .. 2", 1.5),
     ((*"0.4",), "0.4", 1.5),
-    (("enter",), "max_speed 0.4: was 0.8", 2.5),
+    (("enter",), "max_speed is 0.4, was 0.8", 2.5),
     ((), "LOW BATTERY", 3.0),
     (("a",), " 4[5-9] %", 1.5),
     (("ctrl+x",), "STOPPED", 4.0),

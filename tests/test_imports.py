@@ -13,9 +13,9 @@ engine.activate("embedded", hosting=True)
 import archo_tui.app
 from archo_tui.imports import OF_THE_SCREEN, import_the_rest
 dialogs = (
-    "archo_tui.screens.confirm",
+    "archo_tui.screens.dialog",
     "archo_tui.commands.help",
-    "archo_tui.commands.palette_choices",
+    "archo_tui.commands.palette",
 )
 print([name in sys.modules for name in dialogs])
 import_the_rest(OF_THE_SCREEN)

@@ -18,16 +18,14 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screens.dismissable import Dismissable
-from archo_tui.screens.main import MainScreen
+from archo_tui.screens.base import Dismissable
+from archo_tui.screens.main import PANELS, MainScreen
 from archo_tui.terminal.app import TerminalApp
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Question, Values, Verb
 from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.panel import Panel, ScreenState
 
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.

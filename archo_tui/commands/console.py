@@ -12,46 +12,11 @@ from archo_tui.commands.base import (
     VerbCommand,
     Work,
 )
+from archo_tui.screens.choose import Choice, Choose
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
-from archo_tui.station.alarms import any_urgent
 from archo_tui.station.station import Station
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
-from archo_tui.verbs.show import ShowDiagnostics
-from archo_tui.verbs.verb import Verb
-
-
-class AcknowledgeKey(VerbCommand):
-    key = "a"
-
-    def __init__(self, verb: Verb) -> None:
-        super().__init__(verb)
-        self.help = "Acknowledge the alarm in the banner"
-
-
-class ShowAlarms(Command):
-    id, key, verbs = "alarms", "A", ("alarms", "shelve")
-    help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.lists import AlarmList
-        from archo_tui.commands.request import AnswerRequest
-
-        waiting = desk.station.approvals.waiting
-        if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
-            desk.open(AnswerRequest(desk, waiting[0]))
-        else:
-            desk.open(AlarmList(desk))
-
-
-class ListDiagnostics(Command):
-    id, verbs = "diagnostics", ("diagnostics", "forget")
-    help = ShowDiagnostics.help
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.lists import DiagnosticList
-
-        desk.open(DiagnosticList(desk))
 
 
 class OperateOtherRobot(Command):
@@ -76,8 +41,6 @@ class OperateOtherRobot(Command):
         return "" if snapshot.other_namespaces else "no other namespace has nodes"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.choose import Choice, Choose
-
         names = desk.station.robot.snapshot.other_namespaces
         choices = [Choice(name, partial(self._operate, desk, name)) for name in names]
         desk.open(Choose("Operate another robot", choices))
@@ -89,26 +52,6 @@ class OperateOtherRobot(Command):
             desk.show_message(reason)
             return
         desk.station.operate(namespace)
-
-
-class ShowHelp(Command):
-    id, key, footer = "help", "question_mark", "Help"
-    help = "Show the keys of the panel with the focus, and below them all others"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.help import Help
-
-        front = desk.screen
-        if isinstance(front, Help):
-            front.dismiss()
-            return
-        panel = desk.main.panel_with_focus if front is desk.main else None
-        desk.open(Help(desk, panel))
-
-
-class ShowHelpEverywhere(ShowHelp):
-    id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
-    help = "Show all keys; works in dialogs and while typing, too"
 
 
 class KeepKey(VerbCommand):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from archo_tui.commands.base import Command, Desk, VerbCommand, Work, asking_first, file_writer
 from archo_tui.commands.robot import FormGoalKey
@@ -17,15 +17,15 @@ from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.robot_file.propose import SeveralRobots
 from archo_tui.ros_names import base_name
+from archo_tui.screens.choose import Choice, Choose
+from archo_tui.screens.dialog import AskPath
+from archo_tui.screens.message_form import MessageForm
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 from archo_tui.verbs.names import topics_of, type_of
 from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.topics import LISTENING, robot_file_text
 from archo_tui.verbs.verb import Question, Verb
-
-if TYPE_CHECKING:
-    from archo_tui.screens.choose import Choice
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a publication has begun.
 
@@ -41,23 +41,17 @@ class _GenericCommand(VerbCommand):
         raise NotImplementedError
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.choose import Choose
-
         names = sorted(self.types_by_name(desk))
         choices = [choice for name in names for choice in self.choices(desk, name)]
         desk.open(Choose(self.help, choices))
 
     def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return the rows for one action or service: by default one, which opens its form."""
-        from archo_tui.screens.choose import Choice
-
         types = ", ".join(self.types_by_name(desk)[name])
         return [Choice(name, partial(self.open_form, desk, name), types)]
 
     async def open_form(self, desk: Desk, name: str) -> None:
         """Open the form for a goal or a request, which is sent by `self.send`, or show why not."""
-        from archo_tui.screens.message_form import MessageForm
-
         try:
             kind = type_of("one", name, self.types_by_name(desk))
         except ValueError as error:
@@ -192,8 +186,6 @@ class AnyService(_GenericCommand):
 
     def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return a row for each verb that calls the service; without any, one that opens a form."""
-        from archo_tui.screens.choose import Choice
-
         verbs = verbs_by_service(desk.verbs, desk.view.snapshot).get(name, [])
         return [
             Choice(name, partial(self._run_verb, desk, verb), verb.title, words=verb.id)
@@ -241,8 +233,6 @@ class DescribeRobot(Command):
     help = "Describe this robot: write a robot file for what is on the graph"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
         async def text() -> str:
             try:
                 return await robot_file_text(desk.station)

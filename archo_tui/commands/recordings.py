@@ -9,13 +9,14 @@ from functools import partial
 from textual.binding import Binding
 
 from archo_tui.commands.base import Command, Desk, Work
-from archo_tui.commands.lists import ListDialog
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.widgets.rows import Columns, Rows, Text, crop
+from archo_tui.screens.dialog import ListDialog
+from archo_tui.text.columns import Columns, Text, crop
+from archo_tui.widgets.rows import Rows
 
 
 class ShowRecordings(Command):

@@ -17,14 +17,13 @@ from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screens.text import ShowText
+from archo_tui.screens.dialog import ShowText
+from archo_tui.screens.main import PANELS
 from archo_tui.text.alarm import timeline
+from archo_tui.text.columns import crop
 from archo_tui.verbs.verb import Verb
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
-from archo_tui.widgets.rows import crop
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.panel import Panel, ScreenState
 
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(

@@ -20,7 +20,7 @@ from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import now
 from archo_tui.text import line_by_line
-from archo_tui.widgets.button import Button
+from archo_tui.widgets.field import Button
 
 # Seconds between an answer and the key before it; keys in a paste come faster.
 MIN_PAUSE = 0.3

@@ -1,23 +1,33 @@
-"""The bases of all dialogs, and of those with one field."""
+"""The base of all dialogs, and those for a text, a list, a question, a line and a path."""
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
 
 from textual.app import App, ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.binding import Binding, BindingsMap
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.paths import typed_path
 from archo_tui.robot.outcome import Outcome
-from archo_tui.screens.dismissable import Dismissable
+from archo_tui.safe_text import harmless
+from archo_tui.screens.base import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
+from archo_tui.station import form_history
+from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.widgets.bars import NoticeLine
+from archo_tui.widgets.field import Button, Field
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.notices import NoticeLine
+from archo_tui.widgets.rows import Rows
 
 HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
@@ -201,3 +211,170 @@ class Form(Dialog[None]):
     def submit(self, typed: str) -> None:
         """Check the typed text, and begin the work; a subclass must define it."""
         raise NotImplementedError
+
+
+class ShowText(Dialog[None]):
+    """A dialog with a text that scrolls; escape, enter and q close it."""
+
+    BINDINGS = [("escape,enter,q", "close", "Close")]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title, self._text = title, text
+
+    def body(self) -> ComposeResult:
+        with VerticalScroll(classes="dialog reading") as box:
+            box.border_title = escape(self._title)
+            box.border_subtitle = "esc close"
+            yield Static(Content(self._text))
+
+
+T = TypeVar("T")
+
+
+class ListDialog(Dialog[None], Generic[T]):
+    """The base of dialogs with a list, which are as high as its rows."""
+
+    BINDINGS = [Binding("escape,q", "close", "Close")]
+
+    keys_text: ClassVar[str] = "esc close"  # On the lower border.
+
+    def __init__(self, title: str, rows: Rows[T]) -> None:
+        super().__init__()
+        self.title, self.rows = title, rows
+        self.box = Vertical(rows, classes="dialog reading")
+
+    def body(self) -> ComposeResult:
+        self.box.border_title, self.box.border_subtitle = self.title, self.keys_text
+        yield self.box
+
+    def on_mount(self) -> None:
+        self.set_focus(self.rows)
+
+    def show_items(self, items: Sequence[T]) -> None:
+        """Show other items in place of those before."""
+        self.rows.show(items)
+        self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
+
+
+class Confirm(Dialog[None]):
+    """A question with answers, of which the first is the safe one: escape and `n` give it.
+
+    The safe answer has the focus at first; `y` gives the other one of two, the first letter of an
+    answer that answer. A STOP closes the dialog without an answer.
+    """
+
+    closes_at_stop = True
+
+    BINDINGS = [
+        ("escape,n", "answer(0)", "Safe answer"),
+        ("y", "yes", "The answer that acts"),
+        ("left", "app.focus_previous", "The answer before"),
+        ("right", "app.focus_next", "The next answer"),
+    ]
+
+    def __init__(
+        self, title: str, question: str, answers: Sequence[str], on_answer: Callable[[str], object]
+    ) -> None:
+        """Create the dialog; `on_answer` gets the words of the answer after it was dismissed."""
+        super().__init__()
+        self.title, self._question, self._answers = title, question, answers
+        self._on_answer = on_answer
+        # The first letter of an answer chooses it, unless another answer begins with it, too.
+        letters = [answer[0].casefold() for answer in answers]
+        unique = [letter for letter in letters if letters.count(letter) == 1 and letter not in "yn"]
+        keys = (
+            (f"{letter},{letter.upper()}", f"answer({letters.index(letter)})", "")
+            for letter in unique
+        )
+        self._bindings = BindingsMap.merge((self._bindings, BindingsMap(keys)))
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = self.title
+            box.border_subtitle = "← → or first letter, enter   esc no"
+            with VerticalScroll(classes="question", can_focus=False):
+                yield Static(Content(self._question))
+            with Horizontal(classes="answers"):
+                for number, answer in enumerate(self._answers):
+                    choose = partial(self.action_answer, number)
+                    yield Button(answer, choose, id=f"answer-{number}")
+
+    def on_mount(self) -> None:
+        self.set_focus(self.query_one("#answer-0"))
+
+    def action_yes(self) -> None:
+        """Give the second answer if there are just two; else do nothing."""
+        if len(self._answers) == 2:
+            self.action_answer(1)
+
+    def action_answer(self, number: int) -> None:
+        """Close the dialog and pass an answer by its place to `on_answer`; a second is ignored."""
+        if not self.is_dismissed:
+            self.dismiss()
+            self._on_answer(self._answers[number])
+
+
+_KIND = "a file"  # The name of these paths in the form history.
+_SHOWN = 5  # Recent paths below the field; the arrows reach all.
+
+
+class AskPath(Form):
+    """A dialog with a field for a path, which stays open until the work with the path succeeds."""
+
+    submit_label = "OK"
+
+    def __init__(
+        self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
+    ) -> None:
+        """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
+        text = f"{text}; a relative path starts at {Path.cwd()}:"
+        super().__init__("path", default, title=title, text=text)
+        self._default, self._work = default, work
+        self._recent: list[str] = []  # The newest first.
+        self._index = -1  # Of the recent path in the field; -1 if it is the default.
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = self.title
+            box.border_subtitle = "enter OK   ↑ ↓ recent files   esc cancel"
+            yield Static(Content(self.text_above))
+            yield self.field
+            yield Static(classes="recent")
+            yield from self.below_field()
+
+    def on_mount(self) -> None:
+        start_worker(self, self._load_recent, "recall")
+
+    async def _load_recent(self) -> None:
+        entries = await in_daemon(form_history.load, _KIND)
+        self._recent = [texts[0] for texts in reversed(entries) if texts]
+        shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
+        self.set_text(".recent", Content.styled(shown, "$quiet"))
+        for recent in self.query(".recent"):
+            recent.display = shown != ""
+
+    def step(self, step: int) -> None:
+        """Fill in an older path (-1) or a newer one (1), at last the one of the beginning."""
+        self._index = min(max(self._index - step, -1), len(self._recent) - 1)
+        self.field.fill(self._default if self._index < 0 else self._recent[self._index])
+
+    def submit(self, typed: str) -> None:
+        """Begin the work with the typed path, or show why it is none; a second call is ignored."""
+        try:
+            path = typed_path(typed.strip())
+        except ArchoError as error:
+            self.show_message(str(error))
+            return
+        if not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, partial(self._run_work, path), COMMANDS)
+
+    async def _run_work(self, path: Path) -> None:
+        failure = await self._work(path)
+        if failure:
+            self.is_asking = False
+            self.show_message(failure)
+            return
+        await in_daemon(form_history.add, _KIND, [str(path.absolute())])
+        self.dismiss()

@@ -21,25 +21,29 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
 from archo_tui.widgets import bars
-from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.button import Button
+from archo_tui.widgets.bars import FooterKey, Notice, NoticeLine
+from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.events_panel import EventsPanel
-from archo_tui.widgets.field import Field
+from archo_tui.widgets.field import Button, Field, Search
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
-from archo_tui.widgets.notices import Notice, NoticeLine
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
+from archo_tui.widgets.panel import Panel, ScreenState
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.search import Search
 
 P = TypeVar("P", bound=Panel)
+
+# In the order of their numbers, from 1. Keys, footer, `?` and the screen follow from it.
+PANELS: tuple[type[Panel], ...] = (
+    *(BatteryPanel, MotionPanel, GoalPanel, ParametersPanel),
+    *(NodesPanel, EventsPanel, HistoryPanel, GraphPanel),
+)
+for number, kind in enumerate(PANELS, 1):
+    kind.number = number
 
 WIDE, TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.

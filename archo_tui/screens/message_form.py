@@ -19,8 +19,7 @@ from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, start_worker
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
+from archo_tui.widgets.field import Button, Field
 from archo_tui.yaml_text.bounded_yaml import load
 from archo_tui.yaml_text.core_schema import YamlFault
 from archo_tui.yaml_text.dump import block

@@ -1,14 +1,17 @@
-"""The lines around the panels: header, alarm banner and footer."""
+"""The lines around the panels: header, alarm banner, footer, and messages over them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 from rich.cells import cell_len
+from textual import events
 from textual.content import Content
+from textual.notifications import SeverityLevel
+from textual.widgets import Static
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.clients.requester import ASSISTANT
@@ -18,11 +21,11 @@ from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
 from archo_tui.station.view import View
+from archo_tui.text.columns import crop, pad
 from archo_tui.text.goal import remaining_text, running_word
 from archo_tui.text.state import STILL_MOVING, elsewhere_text, fixed_width
-from archo_tui.widgets.rows import crop, pad
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import click, key_content
+from archo_tui.widgets.line import click, key_content
+from archo_tui.widgets.panel import ScreenState
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
@@ -265,3 +268,62 @@ def activity(view: View) -> tuple[str, str]:
         return stop, ""
     does = running_word(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
     return f"{does}   {stop}".rstrip(), remaining_text(goal)
+
+
+MAX_ROWS = 3
+# Seconds; a warning is a refusal, which also goes when its cause ends.
+DURATIONS: dict[SeverityLevel, float] = {"information": 5, "warning": 8, "error": 12}
+_LOOKS = {"information": ("·", ""), "warning": ("▲", "bold $warn"), "error": ("✗", "bold $bad")}
+
+
+class Notice(NamedTuple):
+    """A message to the operator."""
+
+    text: str
+    severity: SeverityLevel
+    until: float  # Monotonic time, in s.
+    still_holds: Callable[[], object] = lambda: True  # False once the cause of a refusal is over.
+
+
+def with_newest(notices: Sequence[Notice], new: Notice) -> list[Notice]:
+    """Return the notices to show with a new one, the newest first, in place of an equal one.
+
+    Of more than MAX_ROWS, the oldest of the least grave goes.
+    """
+    others = [notice for notice in notices if notice.text != new.text]
+    if len(others) == MAX_ROWS:
+        others.remove(min(reversed(others), key=lambda notice: DURATIONS[notice.severity]))
+    return [new, *others]
+
+
+def notice_text(notices: Sequence[Notice], width: int) -> Content:
+    """Return ` ▲ dock: the robot is stopped`, a row each; one alone has up to three rows."""
+    lines, room = [], max(width - 4, 8)  # A blank, the glyph and a blank; one at the end.
+    for notice in notices:
+        glyph, style = _LOOKS[notice.severity]
+        rows = [row.plain for row in Content(harmless(notice.text)).wrap(room)]
+        most = MAX_ROWS if len(notices) == 1 else 1
+        rows = [*rows[: most - 1], " ".join(rows[most - 1 :])]
+        text = "\n   ".join(crop(row, room) for row in rows if row)
+        lines.append(Content.styled(f" {glyph} {text}", style))
+    return Content("\n").join(lines)
+
+
+class NoticeLine(Static):
+    """The notices, drawn over the other widgets of a main screen; a click dismisses them."""
+
+    _shown: tuple[Sequence[Notice], int] = (), 0
+    rows = 1  # Of the text.
+
+    def show(self, notices: Sequence[Notice], width: int) -> None:
+        """Show notices, or (none) what lies beneath."""
+        if (notices, width) != self._shown:
+            self._shown = notices, width
+            text = notice_text(notices, width)
+            self.rows = text.plain.count("\n") + 1
+            self.update(text)
+            self.display = bool(notices)
+
+    def on_click(self, event: events.Click) -> None:
+        event.stop()
+        self.app.clear_notifications()

@@ -11,12 +11,12 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
+from archo_tui.text.columns import QUIET, Columns, Text
 from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
 from archo_tui.text.state import with_short_types
-from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.search import Search
+from archo_tui.widgets.field import Search
+from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
+from archo_tui.widgets.rows import Rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")

@@ -17,12 +17,9 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.text.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.text.state import BAD
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import INTEGER, NUMBER, Field
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.line_widget import TextLines
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.field import INTEGER, NUMBER, Button, Field
+from archo_tui.widgets.line import Line, TextLines
+from archo_tui.widgets.panel import Panel, ScreenState
 
 
 class _InvalidTextError(ValueError):

@@ -17,9 +17,8 @@ from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
 from archo_tui.text.plot import plot_lines
 from archo_tui.text.state import ACTIVE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
-from archo_tui.widgets.line_widget import TextLines
-from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.line import TextLines
+from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
 _WITH_SECONDS = 240.0  # Seconds up to which the axis shows them.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.palette_choices import palette_choices
+from archo_tui.commands.palette import palette_choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import ChoiceRows, Fit, fit, matching
 from archo_tui.terminal.stop_marks import dispatch

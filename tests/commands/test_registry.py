@@ -15,8 +15,8 @@ from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
 from archo_tui.keyed_app import HELD
+from archo_tui.screens.main import PANELS
 from archo_tui.widgets.field import INTEGER
-from archo_tui.widgets.panels import PANELS
 from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.quiet import Quiet

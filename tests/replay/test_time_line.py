@@ -11,7 +11,7 @@ from textual.widgets import Button
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.palette_choices import palette_choices
+from archo_tui.commands.palette import palette_choices
 from archo_tui.commands.replay import TimeLine
 from archo_tui.widgets.field import Field
 from tests.replay.recorded import Watcher, replay, written

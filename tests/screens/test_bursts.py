@@ -28,7 +28,7 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.base import Dismissable
 from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field

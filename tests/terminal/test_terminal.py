@@ -345,7 +345,7 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
     terminals.append(terminal)
     terminal.until("max_speed")
     terminal.write("r")
-    terminal.until("reset encoder: zero")
+    terminal.until("reset encoder: Encoder reset to zero")
     wait_until(lambda: journal_file().exists() and journal_file().stat().st_size > 0)
     terminal.kill(signal.SIGKILL)
     assert terminal.exit_code() == -signal.SIGKILL
@@ -357,7 +357,7 @@ def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> 
     terminals.append(terminal)
     terminal.until("max_speed")
     terminal.write("r")
-    terminal.until("reset encoder: zero")
+    terminal.until("reset encoder: Encoder reset to zero")
     terminal.leave_field()
     terminal.write("6y")
     command = "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'"
@@ -405,7 +405,7 @@ def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) ->
         terminal.resize(width, height)
         terminal.until("1 Battery")
     terminal.write("r")
-    terminal.until("reset encoder: zero")
+    terminal.until("reset encoder: Encoder reset to zero")
     terminal.write("q")
     assert terminal.exit_code() == 0
 

@@ -13,7 +13,7 @@ from textual._compositor import Compositor
 from textual.geometry import Size
 from textual.screen import Screen
 
-from archo_tui.screens.edit_parameter import EditParameter
+from archo_tui.commands.parameters import EditParameter
 from archo_tui.widgets.bars import FooterKey, footer
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
@@ -83,7 +83,7 @@ async def test_a_correction_in_one_write_is_what_the_robot_gets() -> None:
         names = op.parameters
         row = names.index("low_battery_threshold")
         op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
-        await op.until("low_battery_threshold 21.0: was")
+        await op.until("low_battery_threshold is 21.0, was")
 
 
 async def test_what_is_typed_behind_enter_is_not_part_of_what_was_entered() -> None:

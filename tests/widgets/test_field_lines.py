@@ -11,8 +11,15 @@ import pytest
 from archo_tui.robot.state.topic import FieldKind, FieldView, TopicView
 from archo_tui.terminal.ascii import in_ascii
 from archo_tui.text.state import plain_text
-from archo_tui.text.topic import range_text, sparkline, summary, value_text
-from archo_tui.widgets.field_lines import field_columns, field_line, topic_plots
+from archo_tui.text.topic import (
+    field_columns,
+    field_line,
+    range_text,
+    sparkline,
+    summary,
+    topic_plots,
+    value_text,
+)
 from tests.support.clock import TIME
 
 VALUE, ARRAY = FieldKind.VALUE, FieldKind.ARRAY

@@ -16,8 +16,8 @@ from textual.geometry import Region
 from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
-from archo_tui.commands import topic_dialog
-from archo_tui.commands.lists import AlarmList
+from archo_tui.commands import graph
+from archo_tui.commands.alarms import AlarmList
 from archo_tui.widgets.rows import Rows
 from tests.support import clock
 from tests.support.console import Console, console, send
@@ -166,12 +166,12 @@ async def test_a_field_that_cannot_be_drawn_says_so_in_its_line(
     def break_down(*_: object) -> None:
         raise ZeroDivisionError("nothing to divide")
 
-    monkeypatch.setattr(topic_dialog, "field_line", break_down)
+    monkeypatch.setattr(graph, "field_line", break_down)
     async with console(node_makers=[Counter], wait=False) as op:
         await open_topic(op, "/count")
         await op.until("✗ cannot be drawn: ZeroDivisionError: nothing to divide")
         await op.until("10.0 Hz   80 B/s")
-        monkeypatch.setattr(topic_dialog, "summary", break_down)
+        monkeypatch.setattr(graph, "summary", break_down)
         await op.until(lambda: op.text.count("✗ cannot be drawn") == 2)
         await op.press("escape")
         await op.until(lambda: "cannot be drawn" not in op.text)

@@ -1,59 +1,60 @@
-"""The dialogs that list alarms, the robot's parts, and the transforms."""
+"""The commands of alarms and diagnostics, with their dialogs."""
 
 from __future__ import annotations
 
-import asyncio
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, TypeVar
 
-from textual.app import ComposeResult
 from textual.binding import Binding
-from textual.containers import Vertical
 
-from archo_tui.commands.base import Desk
+from archo_tui.commands.base import Command, Desk, VerbCommand
+from archo_tui.commands.request import AnswerRequest
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
-from archo_tui.screens.dialog import Dialog, Form
+from archo_tui.screens.dialog import Form, ListDialog
 from archo_tui.station.alarm_board import SHELF_TIME
-from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
+from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent, is_diagnostic
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.view import View
-from archo_tui.terminal.app import start_worker
-from archo_tui.text.alarm import no_alarms_text, timeline
-from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
-from archo_tui.text.frames import transform_lines
-from archo_tui.verbs.show import forget
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.text.alarm import diagnostic_line, no_alarms_text, no_diagnostics_text, timeline
+from archo_tui.text.columns import QUIET, Columns, Text
+from archo_tui.verbs.show import ShowDiagnostics, forget
+from archo_tui.verbs.verb import Verb
+from archo_tui.widgets.panel import ScreenState
+from archo_tui.widgets.rows import Rows
+
+
+class AcknowledgeKey(VerbCommand):
+    key = "a"
+
+    def __init__(self, verb: Verb) -> None:
+        super().__init__(verb)
+        self.help = "Acknowledge the alarm in the banner"
+
+
+class ShowAlarms(Command):
+    id, key, verbs = "alarms", "A", ("alarms", "shelve")
+    help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
+
+    def run(self, desk: Desk) -> None:
+        waiting = desk.station.approvals.waiting
+        if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
+            desk.open(AnswerRequest(desk, waiting[0]))
+        else:
+            desk.open(AlarmList(desk))
+
+
+class ListDiagnostics(Command):
+    id, verbs = "diagnostics", ("diagnostics", "forget")
+    help = ShowDiagnostics.help
+
+    def run(self, desk: Desk) -> None:
+        desk.open(DiagnosticList(desk))
+
 
 T = TypeVar("T")
 _INDENT = " " * 8
 _SHELF = f"{SHELF_TIME / 60:.0f} min"
-
-
-class ListDialog(Dialog[None], Generic[T]):
-    """The base of dialogs with a list, which are as high as its rows."""
-
-    BINDINGS = [Binding("escape,q", "close", "Close")]
-
-    keys_text: ClassVar[str] = "esc close"  # On the lower border.
-
-    def __init__(self, title: str, rows: Rows[T]) -> None:
-        super().__init__()
-        self.title, self.rows = title, rows
-        self.box = Vertical(rows, classes="dialog reading")
-
-    def body(self) -> ComposeResult:
-        self.box.border_title, self.box.border_subtitle = self.title, self.keys_text
-        yield self.box
-
-    def on_mount(self) -> None:
-        self.set_focus(self.rows)
-
-    def show_items(self, items: Sequence[T]) -> None:
-        """Show other items in place of those before."""
-        self.rows.show(items)
-        self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
 
 
 class AlarmRow(NamedTuple):
@@ -195,30 +196,3 @@ def _part_lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
     style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.status.level, "")
     wrapped = textwrap.wrap(part.text, max(width, 20), subsequent_indent=_INDENT)
     return [(line, style) for line in wrapped]
-
-
-class FrameList(ListDialog[str]):
-    """A list of the transforms, which are received while it is open; it changes each second."""
-
-    def __init__(self, desk: Desk) -> None:
-        rows: Rows[str] = Rows(
-            lambda line, width, _: [(part, "") for part in textwrap.wrap(line, max(width, 20))],
-            lambda line: line.partition(":")[0],
-            id="transforms",
-            empty="",
-            wraps=True,
-        )
-        super().__init__("Transforms", rows)
-        self._desk = desk
-
-    def on_mount(self) -> None:
-        self.show_view(self._desk.view)
-        start_worker(self, self._receive, "transforms")
-
-    async def _receive(self) -> None:
-        async with self._desk.station.robot.listen_to_frames():
-            await asyncio.Event().wait()  # It is cancelled when the dialog closes.
-
-    def show_view(self, view: View) -> None:
-        """Show the transforms of a new view."""
-        self.show_items(transform_lines(view.snapshot.transforms, view.now))
