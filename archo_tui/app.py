@@ -391,10 +391,6 @@ class ArchoApp(KeyedApp):
         station, key = self.station, self.shown_keys["restart"] or "the palette"
         text = f"the restart waits: release the STOP, then press {key} in Nodes"
         station.waiting_restart, station.is_restarting = why, False
-        if station.next_namespace:  # A robot is not left that was just stopped.
-            text, station.next_namespace = station.restart_blocker, ""
-            station.waiting_restart = ""
-            self.show_message(f"{why}: {text}")
         station.robot.note("WARN", "console", f"{why}: {text}")
         self.update_screen()
 

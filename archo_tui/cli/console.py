@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 # Crashes of the screen in a row after which the program ends. One that a person's key led to can be
 # avoided by that person, and must not end a console that drives.
 _MOST_FAILURES = 3
-_added: list[str] = []  # Options that take the place of those that were typed, at a restart.
 # Variables for Textual's developers, which press keys or end the app, and a size that may not be
 # the terminal's. A shell exports them to every program.
 _FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", "LINES")
@@ -139,14 +138,12 @@ def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | 
 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:
-    """Leave the record for the next process, in the chosen namespace unless a STOP was typed."""
+    """Leave the record for the next process, with a STOP that was typed."""
     from archo_tui.handover import give
 
     left = _with_typed_stop(session.hand_over(), stdin)
     assert left is not None
     give(left)
-    if session.station.next_namespace and not left.stop:
-        _added[:] = ["--namespace", session.station.next_namespace]
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
@@ -276,7 +273,7 @@ def command_line(given: Sequence[str]) -> list[str]:
     """Return the command line that starts the console again, in the chosen namespace."""
     own, ros_args = split_ros_args(given)
     ros = ["--ros-args", *ros_args] if ros_args else []
-    return [sys.executable, *_this_program(), *own, *_added, *ros]
+    return [sys.executable, *_this_program(), *own, *ros]
 
 
 def _this_program() -> list[str]:

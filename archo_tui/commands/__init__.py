@@ -59,7 +59,6 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         alarms.AcknowledgeKey(verbs["ack"]),
         alarms.ShowAlarms(),
         alarms.ListDiagnostics(),
-        console.OperateOtherRobot(),
         *(PanelKey(panel, described) for panel in PANELS),
         parameters.Edit(),
         parameters.EditWithInitial(),

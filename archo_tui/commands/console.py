@@ -12,46 +12,10 @@ from archo_tui.commands.base import (
     VerbCommand,
     Work,
 )
-from archo_tui.screens.choose import Choice, Choose
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.station import Station
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
-
-
-class OperateOtherRobot(Command):
-    """The command that restarts the console for the robot of another namespace, chosen in a list.
-
-    Only with `--attach`, and not while a goal runs or waits or a STOP is not released.
-    """
-
-    id = "other_robot"
-    help = "Operate another robot: one in another namespace (the console restarts)"
-
-    def disabled_reason(self, desk: Desk) -> str:
-        station, snapshot = desk.station, desk.station.robot.snapshot
-        if not station.attached:
-            return "only a console with --attach changes robots"
-        if station.restart_blocker:
-            return station.restart_blocker
-        if station.running_goal is not None:
-            return "a goal runs: cancel it first"
-        if station.queue.waiting or station.queue.is_going:
-            return "a goal waits or is being sent: cancel it first"
-        return "" if snapshot.other_namespaces else "no other namespace has nodes"
-
-    def run(self, desk: Desk) -> None:
-        names = desk.station.robot.snapshot.other_namespaces
-        choices = [Choice(name, partial(self._operate, desk, name)) for name in names]
-        desk.open(Choose("Operate another robot", choices))
-
-    def _operate(self, desk: Desk, namespace: str) -> None:
-        """Restart the console for a namespace; show why not if the command is disabled by now."""
-        reason = self.disabled_reason(desk)
-        if reason:
-            desk.show_message(reason)
-            return
-        desk.station.operate(namespace)
 
 
 class KeepKey(VerbCommand):

@@ -44,7 +44,6 @@ _SEARCH_WORDS = {
     "send_goal": "action",
     "call": "request",
     "pub": "message topic send",
-    "other_robot": "namespace switch robots restart",
     "describe_robot": "robot file save export new discover yaml",
     "save_place": "pose waypoint",
     "save_queue": "list goals",

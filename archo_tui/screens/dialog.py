@@ -15,14 +15,11 @@ from textual.markup import escape
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
-from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.paths import typed_path
 from archo_tui.robot.outcome import Outcome
-from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import form_history
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.widgets.bars import NoticeLine
 from archo_tui.widgets.field import Button, Field
@@ -174,7 +171,6 @@ class Form(Dialog[None]):
             id=id,
             changed=self.show_message,
             submitted=self._submit,
-            stepped=self.step,
         )
         self.field.disabled = disabled
 
@@ -201,9 +197,6 @@ class Form(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)
-
-    def step(self, step: int) -> None:
-        """Do nothing; a subclass may handle the arrow up (-1) or down (1) here."""
 
     def _submit(self) -> None:
         self.submit(self.field.value)
@@ -315,10 +308,6 @@ class Confirm(Dialog[None]):
             self._on_answer(self._answers[number])
 
 
-_KIND = "a file"  # The name of these paths in the form history.
-_SHOWN = 5  # Recent paths below the field; the arrows reach all.
-
-
 class AskPath(Form):
     """A dialog with a field for a path, which stays open until the work with the path succeeds."""
 
@@ -330,34 +319,7 @@ class AskPath(Form):
         """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
         text = f"{text}; a relative path starts at {Path.cwd()}:"
         super().__init__("path", default, title=title, text=text)
-        self._default, self._work = default, work
-        self._recent: list[str] = []  # The newest first.
-        self._index = -1  # Of the recent path in the field; -1 if it is the default.
-
-    def body(self) -> ComposeResult:
-        with Vertical(classes="dialog") as box:
-            box.border_title = self.title
-            box.border_subtitle = "enter OK   ↑ ↓ recent files   esc cancel"
-            yield Static(Content(self.text_above))
-            yield self.field
-            yield Static(classes="recent")
-            yield from self.below_field()
-
-    def on_mount(self) -> None:
-        start_worker(self, self._load_recent, "recall")
-
-    async def _load_recent(self) -> None:
-        entries = await in_daemon(form_history.load, _KIND)
-        self._recent = [texts[0] for texts in reversed(entries) if texts]
-        shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
-        self.set_text(".recent", Content.styled(shown, "$quiet"))
-        for recent in self.query(".recent"):
-            recent.display = shown != ""
-
-    def step(self, step: int) -> None:
-        """Fill in an older path (-1) or a newer one (1), at last the one of the beginning."""
-        self._index = min(max(self._index - step, -1), len(self._recent) - 1)
-        self.field.fill(self._default if self._index < 0 else self._recent[self._index])
+        self._work = work
 
     def submit(self, typed: str) -> None:
         """Begin the work with the typed path, or show why it is none; a second call is ignored."""
@@ -376,5 +338,4 @@ class AskPath(Form):
             self.is_asking = False
             self.show_message(failure)
             return
-        await in_daemon(form_history.add, _KIND, [str(path.absolute())])
         self.dismiss()

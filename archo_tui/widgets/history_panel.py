@@ -21,6 +21,7 @@ from archo_tui.widgets.line import TextLines
 from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
+_MAX_NAME = 11  # Cells of the name of a goal that ended, with blanks around it.
 _WITH_SECONDS = 240.0  # Seconds up to which the axis shows them.
 _MIN_ROWS = 3  # Of a plot.
 _MOST_NEEDED = 3  # Plots that are shown or, for want of room, none.
@@ -120,12 +121,17 @@ def _round_up(high: float) -> float:
 
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
-    """Return a line with a mark for each goal that ended, at its time: `✓  ✓   ✗`."""
-    row = [" "] * cells
+    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   ✗ 12`."""
+    row, names = [" "] * cells, []
     for goal in ends:
         place = cells - 1 - int((now - goal.time) / span * cells)
-        if 0 <= place < cells:
+        if 0 <= place < cells and row[place] != "✗":  # Of several, one that failed is told.
             row[place] = _GLYPHS.get(goal.phase, "✗")
+            names.append((place + 1, f" {goal.target}  " if goal.mine and goal.target else ""))
+    for begin, name in names:
+        free = row[begin : begin + len(name)]
+        if len(free) == len(name) <= _MAX_NAME and set(free) <= {" "}:
+            row[begin : begin + len(name)] = name
     return "".join(row)
 
 

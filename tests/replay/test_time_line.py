@@ -29,7 +29,6 @@ ACTS = {
     *(
         "call",
         "describe_robot",
-        "other_robot",
         "ack",
         "edit",
         "restore",

@@ -15,7 +15,6 @@ from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.state.graph import Parameter
-from archo_tui.screens.dialog import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
@@ -107,46 +106,6 @@ async def test_a_wrong_value_is_said_and_the_dialog_follows_the_value() -> None:
         await op.until(lambda: "above drain_max" not in _error(op))
         await op.press("enter")
         await op.until(lambda: not op.app.screen.query("#value"))
-
-
-async def test_files_that_were_used_are_offered_again(tmp_path: Path) -> None:
-    async with console(*FAST) as op:
-        for name in ("one.yaml", "two.yaml"):
-            await op.press("4", "ctrl+s", "ctrl+u")
-            await op.type(str(tmp_path / name))
-            await op.press("enter")
-            await op.until(lambda: op.app.screen is op.app.main)
-        await op.press("ctrl+o")
-        await op.until("two.yaml")
-        await op.press("up")
-        assert op.app.screen.query_one("#path", Input).value == str(tmp_path / "two.yaml")
-        await op.press("up", "up")
-        assert op.app.screen.query_one("#path", Input).value == str(tmp_path / "one.yaml")
-        await op.press("down", "down")
-        assert op.app.screen.query_one("#path", Input).value == "archo_params.yaml"
-
-
-async def test_files_used_before_that_are_read_while_their_dialog_goes_harm_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    is_read, ended = asyncio.Event(), []
-
-    async def slow(function: Any, *words: Any) -> Any:
-        await is_read.wait()
-        return function(*words)
-
-    async def without_its_parts(dialog: AskPath) -> None:
-        is_read.set()
-        for worker in [worker for worker in dialog.workers if worker.node is dialog]:
-            ended.append(await worker.wait())
-
-    monkeypatch.setattr(AskPath, "on_unmount", without_its_parts, raising=False)
-    async with console(*FAST) as op:
-        monkeypatch.setattr("archo_tui.screens.dialog.in_daemon", slow)
-        await op.press("4", "ctrl+o", "escape")
-        await op.until(lambda: ended and op.app.screen is op.app.main)
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
 
 
 async def test_a_low_battery_is_a_word_a_banner_and_one_event_and_clears_above() -> None:
