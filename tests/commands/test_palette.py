@@ -27,7 +27,6 @@ TYPED = {
     "Call any service": ("service", "call", "any service"),
     "Describe this robot": ("describe", "new robot", "discover"),
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
-    "Operate another robot": ("another robot", "namespace", "operate"),
     "List the diagnostics": ("diagnostics", "parts", "hardware"),
     "List the alarms": ("alarms", "shelve", "warnings"),
     "Go to panel 1, Battery": ("panel 1", "battery panel", "go battery"),

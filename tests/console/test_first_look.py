@@ -17,8 +17,6 @@ from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import stub_app
 
-KEYS = " g go to shelf   ? keys   c charge the battery"
-
 
 def bars(app: App[Any]) -> list[str]:
     """The rows that have the cursor's bar."""

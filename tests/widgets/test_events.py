@@ -125,16 +125,6 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
 
 
-async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -> None:
-    async with console(*FAST, size=(160, 48)) as op:
-        await op.press("6", "e")
-        await op.until(lambda: "1 Battery" not in op.text)
-        assert "6 Events" in op.text
-        assert "7 History" not in op.text
-        assert op.focused_panel == 6
-        assert "esc back" in op.text
-
-
 async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_room() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")

@@ -91,7 +91,7 @@ async def test_a_cancel_ends_the_running_one_and_holds_the_rest() -> None:
         await op.press("g", *"12 7", "enter")
         await op.until("m left of")
         await op.press("ctrl+c")
-        await op.until("held: 7 (cancelled)")
+        await op.until("held: 7 (cancelled)   n continue   k skip")
         await op.settle()
         assert history(op) == ["12 CANCELLED"]
 
