@@ -5,12 +5,9 @@ from __future__ import annotations
 import asyncio
 import math
 import string
-from typing import Any
 
 from textual import events
 from textual.binding import Binding
-from textual.geometry import Region
-from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
 
@@ -50,19 +47,13 @@ class KeyedApp(Desk):
     def __init__(self, station: Station, theme: str) -> None:
         super().__init__(station, theme)
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
-        self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
         self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
         self._is_typed = False  # True if the current key goes to the focused widget.
         self._last_key, self._last_typed = "", 0.0
         self._last_stops: int | None = None  # The count of STOPs read before the last input.
         self._acted: tuple[object, ...] = ()  # Where the last key acted.
-        self._pressed_stop = self._pressed_gone = False
-        self._gone_notice = Region(), -math.inf  # Where it was, and the `event.time` of its end.
-        self._shut_since: float | None = None  # When a STOP closed the dialog that keys were for.
-        self._shut_said = False  # True once a message told of dropped keys.
-        self._shut_by = ""  # What closed it.
-        self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
+        self._pressed_stop = False
         self._swallows = False  # True if enter is held, and a message has explained that.
         self._last_read = -math.inf  # The `event.time` of the last key or click.
         self._read = InputTime(-math.inf, math.inf)  # Of that, however late it is handled.
@@ -129,41 +120,16 @@ class KeyedApp(Desk):
             await self._hand_on(event, repeated)
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
-        """Handle a key or a click, unless it was meant for a dialog or a notice that has gone."""
+        """Handle a key or a click, unless it was meant for a dialog that has gone."""
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._works_everywhere(event):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
                 return
-        if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
-            return
         is_key = isinstance(event, events.Key) and not repeated
         if is_key and isinstance(self.screen, (Dialog, MainScreen)):
             self.screen.forget_refusal()
         await self._handle(event, repeated)
-
-    def closed_by_stop(self, why: str) -> None:
-        """Drop the keys typed for a dialog that a STOP closed, or kept from opening.
-
-        Those are the keys read before that STOP, and those that follow at once; not those that work
-        everywhere. `why` is shown if a key is dropped.
-        """
-        self._answers_void = self.stops.count
-        self.drop_following_keys(why)
-
-    def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once, typed for a dialog that closed by itself.
-
-        Keys follow at once if less than HELD passes between them. Escape and those that work
-        everywhere still act. `why` is shown if a key is dropped.
-        """
-        self._shut_by, self._shut_said = why, False
-        self._shut_since = self.station.clock.monotonic()
-
-    def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which all following keys go; none is dropped any more."""
-        self._shut_since = None
-        self.push_screen(dialog)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
         """Return True, with a message the first time, if a key was for a dialog just closed."""
@@ -212,21 +178,6 @@ class KeyedApp(Desk):
         self.repeated = False
         self.action_command("stop")
         return True
-
-    def _is_for_gone_notice(self, event: events.MouseEvent) -> bool:
-        """Return True for a press, and its release, where a notice has gone less than HELD before.
-
-        It was meant for that notice, as the second press of a double click is. What lies below may
-        command the robot.
-        """
-        if isinstance(event, events.MouseUp) and self._pressed_gone:
-            self._pressed_gone = False
-            return True
-        region, since = self._gone_notice
-        is_there = isinstance(event, events.MouseDown) and region.contains(event.x, event.y)
-        read = input_of(event)
-        self._pressed_gone = is_there and read is not None and read.at - since < HELD
-        return self._pressed_gone
 
     def _record_input(self, event: events.Event) -> bool:
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
@@ -401,9 +352,6 @@ class KeyedApp(Desk):
         """Return True if a field takes the key of a command itself: as text, or to edit."""
         key = self.shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
-
-    def _find_command(self, name: str) -> Command | None:
-        return next((command for command in self.registry if command.id == name), None)
 
     def action_digit(self, name: str) -> None:
         """Run the command of a digit that was typed with alt, or directly behind an escape."""

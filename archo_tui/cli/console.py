@@ -11,7 +11,7 @@ from functools import partial
 from io import StringIO
 
 from archo_tui import __version__
-from archo_tui.cli.options import ENGINES, split_ros_args
+from archo_tui.cli.options import ENGINES
 from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
@@ -270,10 +270,8 @@ def _textual_version() -> str:
 
 
 def command_line(given: Sequence[str]) -> list[str]:
-    """Return the command line that starts the console again, in the chosen namespace."""
-    own, ros_args = split_ros_args(given)
-    ros = ["--ros-args", *ros_args] if ros_args else []
-    return [sys.executable, *_this_program(), *own, *ros]
+    """Return the command line that starts the console again."""
+    return [sys.executable, *_this_program(), *given]
 
 
 def _this_program() -> list[str]:

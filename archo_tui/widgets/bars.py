@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rich.cells import cell_len
-from textual import events
 from textual.content import Content
 from textual.notifications import SeverityLevel
 from textual.widgets import Static
@@ -310,7 +309,7 @@ def notice_text(notices: Sequence[Notice], width: int) -> Content:
 
 
 class NoticeLine(Static):
-    """The notices, drawn over the other widgets of a main screen; a click dismisses them."""
+    """The notices, drawn over the other widgets of a main screen."""
 
     _shown: tuple[Sequence[Notice], int] = (), 0
     rows = 1  # Of the text.
@@ -323,7 +322,3 @@ class NoticeLine(Static):
             self.rows = text.plain.count("\n") + 1
             self.update(text)
             self.display = bool(notices)
-
-    def on_click(self, event: events.Click) -> None:
-        event.stop()
-        self.app.clear_notifications()

@@ -21,6 +21,8 @@ from archo_tui.widgets.field import INTEGER, NUMBER, Button, Field
 from archo_tui.widgets.line import Line, TextLines
 from archo_tui.widgets.panel import Panel, ScreenState
 
+_RECALLED = 50  # Goals that the arrows recall.
+
 
 class _InvalidTextError(ValueError):
     """The error that the text of the field with this number is not valid; its message says why."""
@@ -39,9 +41,9 @@ class GoalPanel(Panel):
     _watching = False
     _shows_hint = _shows_refusal = False  # Of the robot.
 
-    # Called with the values of each goal by dotted path, in the order of sending, and the typed
-    # texts. Set by the owner, as `on_typed`.
-    send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
+    # Called with the values of each goal by dotted path, in the order of sending. Set by the owner,
+    # as `on_typed`.
+    send: Callable[[Sequence[Mapping[str, Any]]], object]
     on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
     @classmethod
@@ -206,7 +208,8 @@ class GoalPanel(Panel):
             field.clear()
         if self.fields:
             self.screen.set_focus(self.fields[0])
-        self.send(goals, typed)
+        self.set_typed([*[old for old in self.typed if old != typed], typed][-_RECALLED:])
+        self.send(goals)
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
         """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text."""

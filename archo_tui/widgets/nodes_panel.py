@@ -22,6 +22,8 @@ from archo_tui.widgets.rows import Rows
 _MARK_WIDTH, _AGE_WIDTH, _NAME_WIDTH = 2, 5, 16  # Cells; of a name at least.
 _NARROW = 30  # Such a panel is also low: a crashed node must not hide the others.
 _KEYS = (("start_stop", "start/stop"), ("copy", "copy"))
+# That it crashed, and in which line: what is said of it is read first.
+_HEADS = re.compile(r"^(crashed: |not restarted: |line \d+: )+")
 _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
@@ -64,30 +66,13 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
         room = max(width - _MARK_WIDTH, 10)
         more = textwrap.wrap(word, room)
         if width < _NARROW and len(more) > 1:
-            more = [_crop_at_word(word, room)]
+            more = [crop(_HEADS.sub("", word), room)]
         name = f"{glyph} {pad(row.label, room)}"
         return [(name, style), *((f"  {line}", style) for line in more)]
     if word:
         return [(name + word, style)]
     ago = "" if row.state.heard is None else age_text(row.second - row.state.heard)
     return [(f"{glyph} {in_columns((row.label, ago, _rate(row)), columns, (1, 2), gap=1)}", style)]
-
-
-def _crop_at_word(text: str, width: int) -> str:
-    """Return what is wrong with a node in at most `width` cells, cut behind a whole word.
-
-    That it crashed, and in which line, is left out: what is said of it is read first.
-    """
-    reason = re.sub(r"^(crashed: |not restarted: |line \d+: )+", "", text)
-    cut = textwrap.shorten(reason, width, placeholder=" …")
-    if 3 * len(cut) > 2 * width:
-        return cut
-    head = cut.removesuffix("…")
-    if not head:
-        return crop(reason, width)
-    # A long word, as the name of a package, keeps its end: `no package my_r…faces`.
-    word = reason[len(head) :].split(" ")[0].rstrip(":,")
-    return f"{head}{pad(word, width - len(head))}".rstrip()
 
 
 def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,8 @@ from std_srvs.srv import Trigger
 from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
-from archo_tui.app import ArchoApp
 from archo_tui.commands.base import PanelKey
 from archo_tui.paths import config_file
-from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
@@ -174,32 +171,6 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         await op.press("up")
         assert op.app.query_one("#goal-0", Input).value == "12"
         assert op.focused_panel == 3
-
-
-async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    form_history.add("shelf", ["7"])
-    read, fill = form_history.load, ArchoApp._recall
-    found, is_read = read("shelf"), asyncio.Event()
-
-    async def fill_later(app: ArchoApp) -> None:
-        await is_read.wait()
-        await fill(app)
-
-    monkeypatch.setattr("archo_tui.station.form_history.load", lambda _: found)
-    monkeypatch.setattr(ArchoApp, "_recall", fill_later)
-    async with console(node_makers=[Nobody], wait=False) as op:
-        await op.until("● nobody")
-        await op.press("g", "1", "2", "enter")
-        await op.until("move_to_shelf is not offered by any node")
-        is_read.set()
-        await op.until(lambda: len(op.app.main.goal.typed) == 2)
-        await op.press("up")
-        assert op.app.query_one("#goal-0", Input).value == "12"
-        await op.press("up")
-        assert op.app.query_one("#goal-0", Input).value == "7"
-        assert read("shelf") == [["7"], ["12"]]
 
 
 async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:

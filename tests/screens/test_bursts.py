@@ -8,7 +8,6 @@ the same state, and the robot must have been asked for the same.
 from __future__ import annotations
 
 import asyncio
-import math
 import random
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
@@ -18,7 +17,6 @@ from typing import Any
 
 import pytest
 from textual import events, widgets
-from textual.geometry import Region
 from textual.message import Message
 
 from archo_tui.app import ArchoApp
@@ -29,7 +27,6 @@ from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screens.base import Dismissable
-from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.panel import Panel
@@ -152,7 +149,6 @@ class Desk:
         app.station.goals.queue = GoalQueue()
         app.station.edits.__init__()  # type: ignore[misc]
         app.clear_notifications()
-        app._gone_notice = Region(), -math.inf  # Else a click there is dropped for some time.
         app.clear_selection()
         self.robot.put(self._snapshot)
         self.robot.asked.clear()
@@ -225,7 +221,6 @@ def messages(keys: list[str]) -> list[list[Message]]:
 def _no_files(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write no file, and let no button be dead while it shows that it was pressed."""
     monkeypatch.setattr(save_load, "write_atomically", lambda *_: None)
-    monkeypatch.setattr(form_history, "add", lambda *_: None)
     monkeypatch.setattr(widgets.Button, "_start_active_affect", lambda _: None)
 
 

@@ -100,18 +100,3 @@ async def test_the_stop_button_is_pressed_through_a_notice() -> None:
         assert notice.region.contains(button.region.x, button.region.y)
         click(op.app, button.region.x + 1, button.region.y)
         await op.until(lambda: op.app.view.snapshot.is_stopped)
-
-
-async def test_a_double_click_on_a_notice_does_nothing_to_what_lies_below() -> None:
-    async with console(*FAST) as op:
-        row = next(n for n, line in enumerate(op.text.splitlines()) if "c charge" in line)
-        column = op.text.splitlines()[row].index("c charge")
-        op.app.show_message("something to read")
-        await op.settle()
-        op.app.main.query_one(NoticeLine).styles.offset = 0, row
-        await op.until(lambda: "c charge" not in op.text)
-        click(op.app, column, row)
-        click(op.app, column, row)
-        await op.until("c charge")
-        await op.at(seconds() + 2.0)
-        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]

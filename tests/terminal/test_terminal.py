@@ -23,11 +23,6 @@ from tests.support.waiting import DEADLINE, wait_until
 SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
 
-HANGING_DISK = """
-import threading
-from archo_tui.station import form_history
-form_history._read = threading.Event().wait
-"""
 INTERRUPTED = """
 import os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it may be ignored
@@ -556,14 +551,6 @@ def fail(self, view, commands):
     show(self, view, commands)
 MainScreen.show = fail
 """
-
-
-def test_a_disk_that_hangs_does_not_delay_the_end(terminals: list[Terminal]) -> None:
-    terminal = Terminal(code=HANGING_DISK)
-    terminals.append(terminal)
-    terminal.until(" ARCHO ")
-    terminal.write("\x11")
-    assert terminal.exit_code() == 0
 
 
 def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(terminals: list[Terminal]) -> None:
