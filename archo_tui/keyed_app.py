@@ -12,7 +12,6 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from archo_tui.commands.base import EVERYWHERE, Command, Desk
-from archo_tui.screens.base import Dismissable
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
@@ -169,7 +168,7 @@ class KeyedApp(Desk):
         if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
-        is_leaving = isinstance(front, Dismissable) and front.is_dismissed
+        is_leaving = isinstance(front, Dialog) and front.is_dismissed
         stands = front is not self.main and not is_leaving
         pressed = (widget for widget, _ in front.get_widgets_at(event.x, event.y))
         if stands and next(w for w in pressed if not isinstance(w, NoticeLine)) is not front:
@@ -282,7 +281,7 @@ class KeyedApp(Desk):
     def _is_changing(self) -> bool:
         if not self.screen_stack or not self.screen.is_mounted:
             return True
-        return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
+        return isinstance(self.screen, Dialog) and self.screen.is_dismissed
 
     def _takes(self, event: events.Event) -> bool:
         """Return True if an event can be handled now: what came before is done, its target there.
@@ -294,7 +293,7 @@ class KeyedApp(Desk):
             return False
         if isinstance(event, events.MouseDown) and not self._is_drawn:
             return False
-        if isinstance(self.screen, Dismissable) and self.screen.is_asking:
+        if isinstance(self.screen, Dialog) and self.screen.is_asking:
             return self._works_everywhere(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._works_everywhere(event)
 

@@ -23,8 +23,7 @@ from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screens.base import Dismissable
-from archo_tui.screens.dialog import Confirm
+from archo_tui.screens.dialog import Confirm, Dialog
 from archo_tui.screens.main import PANELS, MainScreen
 from archo_tui.terminal.app import COMMANDS, TerminalApp, start_worker
 from archo_tui.terminal.stop_marks import InputTime
@@ -122,9 +121,9 @@ class Desk(TerminalApp):
         ]
 
     @property
-    def _dialogs(self) -> Iterator[Dismissable[Any]]:
+    def _dialogs(self) -> Iterator[Dialog]:
         """Yield the dialogs over the main screen."""
-        yield from (screen for screen in self.screen_stack if isinstance(screen, Dismissable))
+        yield from (screen for screen in self.screen_stack if isinstance(screen, Dialog))
 
     def notify(
         self,
@@ -202,7 +201,7 @@ class Desk(TerminalApp):
     def close_questions(self) -> None:
         """Close the dialogs that a STOP makes invalid, and drop the keys typed for them."""
         for screen in self.screen_stack:
-            if isinstance(screen, Dismissable) and screen.closes_at_stop:
+            if isinstance(screen, Dialog) and screen.closes_at_stop:
                 screen.dismiss()
                 self.closed_by_stop("STOP closed the dialog")
 
@@ -243,7 +242,7 @@ class Desk(TerminalApp):
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
-        closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
+        closes = isinstance(dialog, Dialog) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
 

@@ -116,7 +116,7 @@ _KEYS = "enter fold  p plot  P publish  space freeze  / narrow  t type  y copy  
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
 
 
-class TopicDialog(Dialog[None]):
+class TopicDialog(Dialog):
     """A topic's fields as a list with live values, plots of some, and both ends of the topic.
 
     The dialog covers the panels only, so that the robot's state and the banner stay in sight. The

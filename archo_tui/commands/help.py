@@ -58,7 +58,7 @@ _NOW = "Now"
 _FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
 
 
-class Help(Dialog[None]):
+class Help(Dialog):
     """A list of all keys, a section for each place where they work; typing searches the list."""
 
     BINDINGS = [

@@ -111,7 +111,7 @@ _GONE = "? not on the graph any more"
 _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
-class NodeDialog(Dialog[None]):
+class NodeDialog(Dialog):
     """The details of a node, with buttons for its log level and its lifecycle."""
 
     BINDINGS = [

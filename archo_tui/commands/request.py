@@ -26,7 +26,7 @@ from archo_tui.widgets.field import Button
 MIN_PAUSE = 0.3
 
 
-class AnswerRequest(Dialog[None]):
+class AnswerRequest(Dialog):
     """The request of an assistant with the state of the robot; the person allows or denies it.
 
     `Deny` has the focus at first; escape answers nothing, and the request goes on waiting. An

@@ -10,8 +10,7 @@ from archo_tui.commands.base import EVERYWHERE, Command, Desk, VerbCommand, Work
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
-from archo_tui.screens.base import Dismissable
-from archo_tui.screens.dialog import Form
+from archo_tui.screens.dialog import Dialog, Form
 from archo_tui.screens.message_form import MessageForm
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs import goals, services
@@ -101,7 +100,7 @@ class CancelKey(VerbCommand):
             return desk.run_verb(self.verb, {goals.RUNNING: None})
         if running is None:
             dialog = desk.screen
-            if isinstance(dialog, Dismissable) and dialog.is_asking:
+            if isinstance(dialog, Dialog) and dialog.is_asking:
                 dialog.stop_waiting()
                 return None
             if not desk.copy_selection():

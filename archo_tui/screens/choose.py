@@ -138,7 +138,7 @@ class ChoiceRows(Rows[Choice]):
         self._move(number - self.cursor)
 
 
-class Choose(Dialog[None]):
+class Choose(Dialog):
     """A dialog with a list, and a field that narrows it by typing."""
 
     closes_at_stop = True

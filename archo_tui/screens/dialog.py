@@ -7,23 +7,27 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
+from textual import events
 from textual.app import App, ComposeResult
+from textual.await_complete import AwaitComplete
 from textual.binding import Binding, BindingsMap
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.screen import ModalScreen, ScreenResultType
+from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from archo_tui.errors import ArchoError
 from archo_tui.paths import typed_path
 from archo_tui.robot.outcome import Outcome
-from archo_tui.screens.base import Dismissable
+from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.text.state import not_drawn
 from archo_tui.widgets.bars import NoticeLine
 from archo_tui.widgets.field import Button, Field
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import ScreenState
 from archo_tui.widgets.rows import Rows
 
 HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
@@ -91,14 +95,55 @@ class DialogFooter(Line):
             self.show(main.everywhere_keys)
 
 
-class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
+class Dialog(ModalScreen[None], Base):
     """A dialog over the main screen, whose header and banner stay lit above, and STOP's key below.
 
-    A subclass composes its widgets in `body`; messages are shown in its `.error` widget.
+    A subclass composes its widgets in `body`; messages are shown in its `.error` widget. It is
+    dismissed once, however often its keys are pressed; while a further dialog lies over it, it goes
+    when that has gone.
     """
 
     head: DialogHead
+    # A STOP closes it, since it asks about the robot before the STOP.
+    closes_at_stop: ClassVar[bool] = False
+    # A worker waits for an answer that may close it; keys pressed meanwhile wait, too.
+    is_asking = False
+    is_dismissed = False  # True once `dismiss` was called, though it may still be shown.
     _shows_refusal = False
+    _not_drawn = ""  # Why the last state could not be drawn.
+
+    def dismiss(self, result: None = None) -> AwaitComplete:
+        """Close the dialog, at once or as soon as it is in front.
+
+        What is returned may be awaited only where it closes at once.
+        """
+        self.is_dismissed = True
+        if not self.is_mounted:  # Textual still looks for the widgets of the screen.
+            self.call_later(self.dismiss)
+            return AwaitComplete()
+        return super().dismiss(None) if self.is_active else AwaitComplete()
+
+    def stop_waiting(self) -> None:
+        """Close the dialog for ctrl+c, though the answer that it waits for has not come."""
+        self.dismiss()
+
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
+        if self.is_dismissed:
+            self.dismiss()
+
+    def update_view(self, view: ScreenState) -> None:
+        """Show a new state; if it cannot be drawn, say so once, and leave the other screens be."""
+        try:
+            self.show_view(view)
+            self._not_drawn = ""
+        except Exception as error:
+            text = not_drawn(error)
+            if text != self._not_drawn:
+                self._not_drawn = text
+                self.notify(f"{type(self).__name__} {text}", severity="error", markup=False)
+
+    def show_view(self, view: ScreenState) -> None:
+        """Do nothing; a subclass shows here each new state while the dialog is mounted."""
 
     def compose(self) -> ComposeResult:
         self.head = DialogHead()
@@ -153,7 +198,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             widget.update(text)
 
 
-class Form(Dialog[None]):
+class Form(Dialog):
     """A dialog with a field and two buttons; a subclass keeps it open until its work succeeded."""
 
     BINDINGS = [("escape", "close", "Close")]
@@ -206,7 +251,7 @@ class Form(Dialog[None]):
         raise NotImplementedError
 
 
-class ShowText(Dialog[None]):
+class ShowText(Dialog):
     """A dialog with a text that scrolls; escape, enter and q close it."""
 
     BINDINGS = [("escape,enter,q", "close", "Close")]
@@ -225,7 +270,7 @@ class ShowText(Dialog[None]):
 T = TypeVar("T")
 
 
-class ListDialog(Dialog[None], Generic[T]):
+class ListDialog(Dialog, Generic[T]):
     """The base of dialogs with a list, which are as high as its rows."""
 
     BINDINGS = [Binding("escape,q", "close", "Close")]
@@ -250,7 +295,7 @@ class ListDialog(Dialog[None], Generic[T]):
         self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
 
 
-class Confirm(Dialog[None]):
+class Confirm(Dialog):
     """A question with answers, of which the first is the safe one: escape and `n` give it.
 
     The safe answer has the focus at first; `y` gives the other one of two, the first letter of an

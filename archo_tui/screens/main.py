@@ -71,7 +71,7 @@ def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
     return max((minimum, name) for minimum, name in breakpoints if cells >= minimum)[1]
 
 
-class MainScreen(Base[None]):
+class MainScreen(Base):
     """The panels, laid out for the terminal's size, with header, banner and footer.
 
     Nothing is drawn until a view with nodes has come, or for 0.3 s. A panel that cannot be drawn
@@ -122,9 +122,7 @@ class MainScreen(Base[None]):
         self.history, self.graph = self._panel(HistoryPanel), self._panel(GraphPanel)
         self.goal.on_typed = self._on_field_changed
         self._time_line, self.starts_in_field = time_line, starts_in_field
-        self.rows_around = _AROUND  # Rows that the panels leave to other lines.
         if time_line is not None:
-            self.rows_around += _TIME_LINE
             self._panels.append(time_line)
             self.goal.can_focus = True  # Its form is hidden.
             self.add_class("-replay")
@@ -270,7 +268,7 @@ class MainScreen(Base[None]):
     @property
     def _height(self) -> int:
         """The number of rows that the panels share."""
-        return self.size.height - self.rows_around
+        return self.size.height - _AROUND - (_TIME_LINE if self._time_line is not None else 0)
 
     def _fit(self) -> None:
         """Set the heights of the panels by the length of their lists; Events have what is left."""
@@ -417,11 +415,6 @@ class MainScreen(Base[None]):
             self._show_panel(panel, view)
         self._fit()
 
-    def show_head(self, lines: list[Content]) -> None:
-        """Keep new lines, the banner last, for the dialogs over this screen; show them there."""
-        self.head = lines
-        self.show_notices(self.notices)
-
     def show_notices(self, notices: Sequence[Notice]) -> None:
         """Show notices here, but not over the STOP button, and in the dialogs over this screen."""
         self.notices = notices
@@ -445,7 +438,8 @@ class MainScreen(Base[None]):
         """Show banner and footer, whose keys are others in a field."""
         banner = bars.banner(view, self.size.width)
         self._banner.show(banner)
-        self.show_head([header, banner])
+        self.head = [header, banner]
+        self.show_notices(self.notices)
         self._show_footer(view, commands)
 
     def _with_typed(self, view: ScreenState) -> ScreenState:

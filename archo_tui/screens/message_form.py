@@ -28,7 +28,7 @@ MAX_FIELDS = 12  # A message with more fields is edited as one YAML text.
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 
-class MessageForm(Dialog[None]):
+class MessageForm(Dialog):
     """A dialog with a field for each primitive field of a message, which are sent together.
 
     A message with more than 12 of them is edited as one YAML text. The dialog stays open until the

@@ -30,17 +30,6 @@ class Field(Input, inherit_css=False):
     arrive before anybody knew that something was entered.
     """
 
-    DEFAULT_CSS = """
-        Field { width: 100%; height: 1; scrollbar-size-horizontal: 0; pointer: text; }
-        Field:focus { background-tint: $foreground 5%; }
-        Field > .input--cursor {
-            background: $input-cursor-background; color: $input-cursor-foreground;
-            text-style: $input-cursor-text-style;
-        }
-        Field > .input--selection {
-            background: $input-selection-background; color: $input-selection-foreground;
-        }
-    """
     COMPONENT_CLASSES = {"input--cursor", "input--placeholder", "input--selection"}
     BINDINGS = [Binding("up", "step(-1)", show=False), Binding("down", "step(1)", show=False)]
 
@@ -131,11 +120,6 @@ class Field(Input, inherit_css=False):
 class SearchLine(Horizontal):
     """The line `/ brake   2 of 14` below a list, hidden unless its search is open or has a text."""
 
-    DEFAULT_CSS = """
-        SearchLine { display: none; height: 1; dock: bottom; }
-        SearchLine Field { width: 1fr; margin: 0 15 0 2; }
-    """
-
     def __init__(self, search: Search) -> None:
         super().__init__()
         self._search = search
@@ -215,16 +199,6 @@ class Button(widgets.Button, inherit_css=False):
 
     It has none of the fifty-seven CSS rules of Textual's button, each of which every style lookup
     evaluates.
-    """
-
-    DEFAULT_CSS = """
-        Button {
-            width: auto; min-width: 16; height: 1; line-pad: 1; text-align: center;
-            content-align: center middle; pointer: pointer;
-        }
-        Button:focus { background-tint: $foreground 5%; }
-        Button:disabled { text-opacity: 0.6; pointer: not-allowed; }
-        Button.-active { tint: $background 30%; }
     """
 
     def __init__(

@@ -106,8 +106,6 @@ class LineWidget(Widget):
 class TextLines(LineWidget):
     """A widget with rows of text, such as a plot, of which only those that changed are redrawn."""
 
-    DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
-
     def __init__(self, id: str | None = None) -> None:
         super().__init__(id=id)
         self._lines: Sequence[Spans] = ()
@@ -128,8 +126,6 @@ class TextLines(LineWidget):
 
 class Line(Static):
     """A widget of one line of text that is redrawn only when its text changes."""
-
-    DEFAULT_CSS = "Line { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }"
 
     def __init__(self, **options: str) -> None:
         super().__init__("", **options)  # type: ignore[arg-type]

@@ -26,7 +26,7 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.screens.base import Dismissable
+from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.panel import Panel
@@ -158,9 +158,7 @@ class Desk:
     def state(self) -> list[object]:
         """What a person sees and can go on with, and what the robot was asked for."""
         app = self.app
-        standing = [
-            s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.is_dismissed)
-        ]
+        standing = [s for s in app.screen_stack if not (isinstance(s, Dialog) and s.is_dismissed)]
         found: list[object] = [self.robot.asked[:], app.theme]
         found += [[panel.number for panel in app.main.query(Panel) if panel.has_class("-fills")]]
         for screen in standing:
