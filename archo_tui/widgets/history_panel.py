@@ -122,13 +122,13 @@ def _round_up(high: float) -> float:
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
     """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   ✗ 12`."""
-    row, names = [" "] * cells, []
+    row, names = [" "] * cells, dict[int, str]()
     for goal in ends:
         place = cells - 1 - int((now - goal.time) / span * cells)
         if 0 <= place < cells and row[place] != "✗":  # Of several, one that failed is told.
             row[place] = _GLYPHS.get(goal.phase, "✗")
-            names.append((place + 1, f" {goal.target}  " if goal.mine and goal.target else ""))
-    for begin, name in names:
+            names[place + 1] = f" {goal.target}  " if goal.mine and goal.target else ""
+    for begin, name in names.items():
         free = row[begin : begin + len(name)]
         if len(free) == len(name) <= _MAX_NAME and set(free) <= {" "}:
             row[begin : begin + len(name)] = name
