@@ -145,8 +145,8 @@ class ArchoApp(KeyedApp):
 
     @property
     def has_person(self) -> bool:
-        """Return True while the screen runs: a person is taken to look at it."""
-        return self.is_running
+        """Return True while the screen is shown: a person is taken to look at it."""
+        return self.is_running and not (self.terminal is not None and self.terminal.is_lent)
 
     def carry_out(self, work: Callable[[], Work]) -> None:
         """Begin work as a command, whose answer `leave` waits for."""

@@ -6,7 +6,6 @@ import gc
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
 from functools import partial
 from io import StringIO
 
@@ -267,18 +266,6 @@ def _textual_version() -> str:
             if name.startswith("textual-") and name.endswith(".dist-info"):
                 return name.removeprefix("textual-").removesuffix(".dist-info")
     return "not installed by its package"
-
-
-def command_line(given: Sequence[str]) -> list[str]:
-    """Return the command line that starts the console again."""
-    return [sys.executable, *_this_program(), *given]
-
-
-def _this_program() -> list[str]:
-    """Return the arguments with which Python runs this program: its zip file, or `-m archo_tui`."""
-    from zipfile import is_zipfile
-
-    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
 
 
 def require_terminal(stdin: TextIO | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 
 from textual import events
@@ -12,6 +13,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, Desk, PanelKey
 from archo_tui.commands.console import Quit
+from archo_tui.handover import CONSOLE_SOCKET, STOP
 from archo_tui.recordings.replay.player import Player, TimelineMark
 from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
@@ -30,7 +32,7 @@ _HARMLESS = frozenset(
     (
         *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
-        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
+        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette"),
     )
 )
 _TOGETHER = 0.05  # Seconds between marks that count as one moment.
@@ -119,12 +121,15 @@ def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Comma
     commands = registry(player.file, verbs)
     panels = [command for command in commands if isinstance(command, PanelKey)]
     panels[0].footer_key = f"1-{TimeLine.number}"
-    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in _HARMLESS]
+    harmless = _HARMLESS if CONSOLE_SOCKET in os.environ else {*_HARMLESS, "suspend"}
+    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in harmless]
     own = *_time_line_keys(player), *shown, TimeLineKey(player.file), ShowRecordedAlarms(player)
     used = {command.key for command in own}
     acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
     not_sent = (NotSent(c) for c in acting if c.key not in used)
-    return *own, *not_sent, RefuseStop(), CopySelection(), QuitReplay(), QuitReplayEverywhere()
+    console = os.environ.get(CONSOLE_SOCKET, "")
+    stop = StopConsole(int(console)) if console else RefuseStop()
+    return *own, *not_sent, stop, CopySelection(), QuitReplay(), QuitReplayEverywhere()
 
 
 class NotSent(Command):
@@ -221,6 +226,20 @@ class RefuseStop(Command):
 
     def run(self, desk: Desk) -> None:
         desk.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
+
+
+class StopConsole(Command):
+    """The command of the STOP key in a replay that a console has begun: it stops the robot."""
+
+    id, key, where = "stop", "ctrl+x", EVERYWHERE
+    help = "STOP the robot of the console that plays this, and go back to it"
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor  # Of the socket to the console.
+
+    def run(self, desk: Desk) -> None:
+        os.write(self._descriptor, STOP)
+        desk.leave()
 
 
 class CopySelection(Command):

@@ -83,7 +83,7 @@ KEYS = {
         "escape": "close", "enter": "choose_topic", "q": "close",
         "left": "app.focus_previous", "right": "app.focus_next",
     },
-    "RecordingList": {"enter": "copy", "y": "copy", "d": "delete", "delete": "delete"},
+    "RecordingList": {"enter": "play", "y": "copy", "d": "delete", "delete": "delete"},
     "ShowText": {"escape": "close", "enter": "close", "q": "close"},
 }  # fmt: skip
 
