@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import select
 import signal
 import sys
 
@@ -334,7 +335,9 @@ def _request_result(
         if "code" in reply:
             return reply
         if "ask" in reply:
-            console.send({"answer": _ask_person(f"{reply['ask']} [y/N] ")})
+            answer = _ask_person(console, f"{reply['ask']} [y/N] ")
+            if answer is not None:
+                console.send({"answer": answer})
         elif "--json" in command_line.flags:
             _print_json(reply)
         elif "event" in reply:
@@ -414,8 +417,12 @@ def _has_person() -> bool:
     return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
 
 
-def _ask_person(question: str) -> bool:
+def _ask_person(console: Connection, question: str) -> bool | None:
+    """Ask at the terminal; None if the console has said that nobody is to answer any more."""
     print(question, end="", file=sys.stderr, flush=True)
+    if sys.stdin not in select.select([sys.stdin, console.socket], [], [])[0]:
+        print(file=sys.stderr)
+        return None
     return sys.stdin.readline().strip().lower() in YES_WORDS
 
 

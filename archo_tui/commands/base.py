@@ -21,6 +21,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.dialog import Confirm, Dialog
@@ -28,7 +29,7 @@ from archo_tui.screens.main import PANELS, MainScreen
 from archo_tui.terminal.app import COMMANDS, TerminalApp, start_worker
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
-from archo_tui.verbs.verb import Question, Values, Verb
+from archo_tui.verbs.verb import GOAL_ENDED, Question, Values, Verb
 from archo_tui.widgets.bars import DURATIONS, FooterKey, Notice, with_newest
 from archo_tui.widgets.panel import Panel, ScreenState
 
@@ -237,7 +238,7 @@ class Desk(TerminalApp):
         if question is None:
             return now()
         answers: Answers = {question.go: now} if question.go else {}
-        self.confirm(question.title, question.text, question.safe, answers)
+        self.confirm(question.title, question.text, question.safe, answers, question.is_over)
         return None
 
     def open(self, dialog: Screen[Any]) -> None:
@@ -267,10 +268,18 @@ class Desk(TerminalApp):
             self.report_failure(Outcome(Code.CANCELLED, NOT_SENT))
         return shut
 
-    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
+    def confirm(
+        self,
+        title: str,
+        question: str,
+        safe: str,
+        answers: Answers,
+        is_over: Callable[[Snapshot], bool] = lambda _: False,
+    ) -> None:
         """Show a question at once, whose answer may be a coroutine to run; or why it is not asked.
 
-        It is not while another one is open, or if a STOP was read since the key.
+        It is not while another one is open, or if a STOP was read since the key. It closes, with a
+        message, once the goal that it is about has ended: `is_over`.
         """
         if isinstance(self.screen, Confirm):
             said = f"{title}: answer the question that is asked already first."
@@ -288,7 +297,14 @@ class Desk(TerminalApp):
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)
 
-        self.show_dialog(Confirm(title, question, (safe, *answers), answered))
+        def close_if_over() -> bool:
+            over = is_over(self.station.robot.snapshot)
+            if over:
+                self.drop_following_keys(f"{title}: {GOAL_ENDED}")
+                self.report_failure(Outcome(Code.REFUSED, f"{title}: {GOAL_ENDED}"))
+            return over
+
+        self.show_dialog(Confirm(title, question, (safe, *answers), answered, close_if_over))
 
     def report_failure(self, outcome: Outcome) -> None:
         """Show the outcome of a command that failed; do nothing for one that succeeded."""

@@ -14,13 +14,12 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.check import not_installed
-from archo_tui.robot_file.model import FormField, GoalKind
+from archo_tui.robot_file.model import FormField
 from archo_tui.robot_file.propose import SeveralRobots
-from archo_tui.ros_names import base_name
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.screens.dialog import AskPath
 from archo_tui.screens.message_form import MessageForm
-from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
+from archo_tui.verbs.goals import GOALS, KIND, Go, any_kind, kind_of
 from archo_tui.verbs.names import topics_of, type_of
 from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
@@ -105,9 +104,8 @@ class AnyGoal(_GenericCommand):
     async def send(
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
-        short = base_name(name)
-        goal = GoalKind(id=short, title=short, action=name, type=type_name)
-        outcome = await self.verb.run(desk.station, {KIND: goal, GOALS: [values]})
+        given = {KIND: any_kind(name, type_name), GOALS: [values]}
+        outcome = await self.verb.run(desk.station, given)
         desk.update_screen()  # The goal may wait in the queue.
         return outcome
 

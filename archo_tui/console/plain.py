@@ -297,7 +297,8 @@ class Plain:
         elif result.get("tells"):
             self._printer.print_text(text)
         queue = self._station.queue
-        if code == Code.ACCEPTED.value and queue.waiting:
+        verb = self._verbs.get(word)
+        if code == Code.ACCEPTED.value and queue.waiting and verb is not None and verb.has_goals:
             waiting = [goal.text for goal in queue.waiting]
             shown = line_by_line.queue_text(waiting, queue.hold_reason)
             self._printer.print_timed(f"queue: {shown}")

@@ -312,10 +312,19 @@ class Confirm(Dialog):
     ]
 
     def __init__(
-        self, title: str, question: str, answers: Sequence[str], on_answer: Callable[[str], object]
+        self,
+        title: str,
+        question: str,
+        answers: Sequence[str],
+        on_answer: Callable[[str], object],
+        close_if_over: Callable[[], bool],
     ) -> None:
-        """Create the dialog; `on_answer` gets the words of the answer after it was dismissed."""
+        """Create the dialog; `on_answer` gets the words of the answer after it was dismissed.
+
+        It closes without an answer once `close_if_over`, which tells the person why, is true.
+        """
         super().__init__()
+        self._close_if_over = close_if_over
         self.title, self._question, self._answers = title, question, answers
         self._on_answer = on_answer
         # The first letter of an answer chooses it, unless another answer begins with it, too.
@@ -340,6 +349,10 @@ class Confirm(Dialog):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#answer-0"))
+
+    def show_view(self, view: ScreenState) -> None:
+        if not self.is_dismissed and self._close_if_over():
+            self.dismiss()
 
     def action_yes(self) -> None:
         """Give the second answer if there are just two; else do nothing."""

@@ -27,7 +27,7 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station
 from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
-from archo_tui.verbs.verb import Argument, Forms, Question, Values, Verb
+from archo_tui.verbs.verb import GOAL_ENDED, Argument, Forms, Question, Values, Verb
 
 # The keys of these verbs' values: the kind; a mapping of values by dotted path for each goal; and
 # the goal that ran at the time.
@@ -221,7 +221,8 @@ class Cancel(Verb):
             return Question("Cancel every goal", text, "No", "Cancel all")
         if goal is None or goal.mine:
             return None
-        return Question("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
+        text = "Another client sent this goal. Cancel it?"
+        return Question("Cancel", text, "No", "Cancel it", goal)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         ended = await station.robot.end_publications()
@@ -242,7 +243,7 @@ class Cancel(Verb):
         if goal is None or goal.mine:
             return await station.goals.cancel()
         if now is None or now.number != goal.number:  # The question may have waited for long.
-            return Outcome(Code.REFUSED, "the goal that was asked about has ended")
+            return Outcome(Code.REFUSED, GOAL_ENDED)
         return await station.goals.cancel(another=True)
 
 
@@ -317,8 +318,7 @@ class SendGoal(Verb):
             found = {**found, name: await station.robot.types_anywhere(name, is_action=True)}
         type_name = type_of("action", name, found)
         fields = await fields_of(station, name, type_name, values["field=value"])
-        short = base_name(name)
-        return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
+        return {KIND: any_kind(name, type_name), GOALS: [fields]}
 
     def question(self, station: Station, values: Values) -> Question | None:
         return low_battery_question(station, "Send")
@@ -326,6 +326,11 @@ class SendGoal(Verb):
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
         accept_low_battery(station)
         return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
+
+
+def any_kind(action: str, type_name: str) -> GoalKind:
+    """Return the kind of a goal of an action that the robot file does not name."""
+    return GoalKind(SendGoal.id, base_name(action), action, type_name)  # No file has that id.
 
 
 def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:

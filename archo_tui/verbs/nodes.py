@@ -107,7 +107,7 @@ class StopNode(_NodeVerb):
         if not needed:
             return None
         text = f"The robot is {activity(goal)}, and {hosted.name} serves {needed}. Stop the node?"
-        return Question("Stop a node", text, "Leave it", "Stop it")
+        return Question("Stop a node", text, "Leave it", "Stop it", goal)
 
 
 class DuplicateNode(_NodeVerb):

@@ -84,7 +84,7 @@ class Publish(Verb):
         now = f"The robot is {activity(goal)}. " if goal is not None else ""
         what = f"{values['topic']} ({values['type']}) {often}"
         text = f"{now}This may move the robot. Publish to {what}?"
-        return Question("Publish", text, "No", "Publish")
+        return Question("Publish", text, "No", "Publish", goal)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.robot.publish(

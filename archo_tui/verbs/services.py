@@ -59,7 +59,7 @@ class Give(Verb):
             return None
         now = f"The robot is {activity(goal)}. " if goal is not None else ""
         title = self.title[0].upper() + self.title[1:]
-        return Question(title, f"{now}{title} now?", "Leave it", title.split()[0])
+        return Question(title, f"{now}{title} now?", "Leave it", title.split()[0], goal)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.robot.command(self.given, self.is_on)

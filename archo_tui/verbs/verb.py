@@ -5,7 +5,9 @@ A verb is parsed (`parse`), and run once the robot is found and a person agrees 
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
@@ -13,11 +15,13 @@ from archo_tui.nearest import nearest_hint
 from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.messages.types import INTEGERS, TypedField, element_of
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import NOT_REPORTED
 from archo_tui.robot.state.snapshot import Life, Snapshot
 from archo_tui.robot_file.model import Limit, RobotFile
 from archo_tui.station.station import Station
 
+GOAL_ENDED = "the goal that was asked about has ended"
 Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
 # The fields of each goal by its id, without goals whose type is not installed.
 Forms = Mapping[str, Sequence[TypedField]]
@@ -28,6 +32,7 @@ _ANSWER_TIMEOUT = 5.0  # Seconds to wait for answers to earlier requests, which 
 _HOSTED_TIMEOUT = 5.0  # Seconds to wait until a node that runs here is found on the graph.
 _STARTING_TIMEOUT = 15.0  # Seconds to wait for one whose constructor has not returned.
 _RETRY_PERIOD = 0.05  # Seconds between two tries.
+_GOAL_POLL_PERIOD = 0.2  # Seconds between two looks whether the goal in question has ended.
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 # Returns if the answer is yes; raises ArchoError if it is not, or if nobody can be asked.
 Ask = Callable[["Question"], Awaitable[None]]
@@ -73,12 +78,19 @@ class Question(NamedTuple):
         text: The question; the lines after the first one are details.
         safe: The answer that changes nothing, as `Stay stopped`.
         go: The answer that runs the verb, as `Release`; "" if the verb cannot run.
+        goal: The running goal that it is about; once that has ended nobody is to answer.
     """
 
     title: str
     text: str
     safe: str
     go: str
+    goal: Goal | None = None
+
+    def is_over(self, snapshot: Snapshot) -> bool:
+        """Return True once the goal that it is about has ended."""
+        running = snapshot.running_goal
+        return self.goal is not None and (running is None or running.number != self.goal.number)
 
 
 def split_options(words: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
@@ -438,7 +450,24 @@ async def run_when_ready(
         return prepared
     question = verb.question(station, prepared)
     if question is not None and question.go and ask is not None:
-        await ask(question)
+        if not await _is_agreed(station, question, ask):
+            return Outcome(Code.REFUSED, GOAL_ENDED)
         if is_void:
             gate()
     return await verb.run(station, prepared)
+
+
+async def _is_agreed(station: Station, question: Question, ask: Ask) -> bool:
+    """Ask, and return True for a yes; False, without an answer, once its goal has ended."""
+    if question.goal is None:
+        await ask(question)
+        return True
+    asking = asyncio.ensure_future(ask(question))
+    try:
+        while not question.is_over(station.robot.snapshot):
+            with suppress(TimeoutError):
+                await station.clock.wait_for(asyncio.shield(asking), _GOAL_POLL_PERIOD)
+                return True
+        return False
+    finally:
+        asking.cancel()

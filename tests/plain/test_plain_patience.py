@@ -11,6 +11,7 @@ from std_msgs.msg import String
 
 from archo_tui.robot.state.snapshot import Hosted, Life
 from tests.support.clock import seconds
+from tests.support.console import LONG
 from tests.support.hesitant import Hesitant
 from tests.support.plain import operated
 from tests.support.quiet import until
@@ -167,6 +168,14 @@ async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> No
         made[0].answer()
         await person.until("goal CANCELLED")
         await person.until("hesitant up")
+
+
+async def test_a_cancel_in_the_same_pipe_tells_the_queue_once() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12 7\ncancel\n")
+        await person.until("queue held: 7 (cancelled)")
+        assert await person.end() == 1
+    assert person.said.count(" queue: 7\n") + person.said.count(" queue: held: 7 ") == 1
 
 
 async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:

@@ -142,16 +142,6 @@ async def test_the_goals_of_others_are_cancelled_after_a_question(
         assert robot.told == [done]
 
 
-async def test_a_queue_goes_on_while_a_question_waits() -> None:
-    async with operated(at_terminal=True) as person:
-        person.type("go 12 7\n")
-        await person.until("MOVING to 12")
-        await asked(person, "reset", "shelf 12. Reset encoder now? [y/N]")
-        await person.until("ARRIVED, Arrived at shelf 7")
-        assert await person.end("y\n") == 0
-        assert "YOU console: reset encoder: Encoder reset to zero" in person.said
-
-
 async def test_what_a_file_would_change_is_listed_before_the_question(here: Any) -> None:
     (here / "a.yaml").write_text(
         "motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    nosuch: 1\n"
