@@ -11,7 +11,7 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
-from archo_tui.cli import chapter, completion, graph, recordings, subcommands
+from archo_tui.cli import completion, graph, subcommands
 from archo_tui.cli.console import run_console
 from archo_tui.cli.launch import launch
 from archo_tui.cli.options import (
@@ -22,8 +22,10 @@ from archo_tui.cli.options import (
     split_line,
     split_ros_args,
 )
-from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain, report_lost_output
 from archo_tui.cli.verb import helps, send_stop, send_verb, wrong_option
+from archo_tui.client import shell  # Loads quickly, since a prompt may call it.
+from archo_tui.client.protocol import FAILED, MISUSED
+from archo_tui.client.shell import complain
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
@@ -31,15 +33,15 @@ from archo_tui.system import END_SIGNALS, command_line
 
 _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 _RUN: dict[str, Callable[[Namespace], int]] = {
-    "chapter": chapter.write_chapter,
+    "chapter": subcommands.write_chapter,
     "check": subcommands.check,
     "launch": launch,
     "keys": subcommands.print_keys,
     "completions": completion.print_completions,
     "consoles": subcommands.list_consoles,
     "mcp": subcommands.serve_assistant,
-    "recordings": recordings.recordings,
-    "replay": recordings.replay,
+    "recordings": subcommands.recordings,
+    "replay": subcommands.replay,
     "journal": subcommands.print_journal_path,
     "robot": graph.describe_robot,
     "look": graph.look,
@@ -71,19 +73,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         complain(str(error))
         return MISUSED
     except OSError as error:
-        closed = isinstance(sys.stdout, ClosedOutput)
-        written = error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO) or closed
-        if not written or sys.stdout is None:
+        if error.errno not in (errno.ENOSPC, errno.EPIPE, errno.EIO) or sys.stdout is None:
             raise
-        if not closed:  # Python flushes once more at its end.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # It is flushed once more.
         # A reader that ends early, such as `head`, needs no message.
         if error.errno != errno.EPIPE:
             complain(f"cannot write to standard output: {error.strerror}")
         return FAILED
     finally:
-        if isinstance(sys.stdout, ClosedOutput):
-            sys.stdout = None
         gc.enable()
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -103,9 +100,6 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     words, arguments = _without_program_arguments(words)
     is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
     if is_verb or is_stop_text(" ".join(words)):
-        from archo_tui.client import shell  # Runs quickly, since a prompt may call it.
-
-        report_lost_output()
         _check_unused(ros_args, words)
         return shell.run(words, SUBCOMMANDS, helps=helps)
     parser = console_parser()
@@ -121,14 +115,11 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
         if at is None:
             raise
-        report_lost_output()
         stop = command if is_stop_text(name) else words[at:]
         return send_stop(stop, words[:at], str(error), parser)
     if not name:
         options.program_arguments = arguments
         return run_console(options, ros_args)
-    if name != "mcp":  # mcp uses standard output for its protocol.
-        report_lost_output()
     _check_unused(ros_args, command)
     if name not in SUBCOMMANDS:
         return send_verb(command, options)

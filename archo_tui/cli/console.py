@@ -11,7 +11,8 @@ from io import StringIO
 
 from archo_tui import __version__
 from archo_tui.cli.options import ENGINES
-from archo_tui.cli.output import FAILED, complain
+from archo_tui.client.protocol import FAILED
+from archo_tui.client.shell import complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 
@@ -245,27 +246,16 @@ async def _give_up(app: ArchoApp, stdin: TextIO | None) -> None:
 
 
 def _print_version(engine: str) -> int:
+    from importlib.metadata import version
+
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     from archo_tui.user_code.usage import of_process, usage_text
 
     print(f"archo-tui {__version__}")
-    print(safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
+    print(safe(f"Python {python}, Textual {version('textual')}, engine {engine}, TERM {term}"))
     if (usage := of_process(os.getpid())) is not None:
         print(usage_text(None, usage._replace(where="this process"), 0.0))
     return 0
-
-
-def _textual_version() -> str:
-    """Return Textual's version from its folder's name, as importlib.metadata loads too slowly."""
-    for folder in sys.path:
-        try:
-            names = os.listdir(folder or ".")
-        except OSError:
-            continue
-        for name in names:
-            if name.startswith("textual-") and name.endswith(".dist-info"):
-                return name.removeprefix("textual-").removesuffix(".dist-info")
-    return "not installed by its package"
 
 
 def require_terminal(stdin: TextIO | None) -> None:

@@ -8,7 +8,8 @@ import time
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
 
-from archo_tui.cli.output import FAILED, complain
+from archo_tui.client.protocol import FAILED
+from archo_tui.client.shell import complain
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.safe_text import safe
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from archo_tui.cli.console import run_console
 from archo_tui.cli.options import console_parser
-from archo_tui.cli.output import FAILED, complain
+from archo_tui.client.protocol import FAILED
+from archo_tui.client.shell import complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable, Sequence
 from itertools import islice
 
@@ -335,12 +334,11 @@ class OneLineErrorParser(argparse.ArgumentParser):
     """An argument parser that raises an ArchoError of one line where others print and exit."""
 
     def __init__(self, prog: str, description: str, **more: Any) -> None:
-        width = _columns() - 2  # As in argparse, which imports all of shutil for it.
         super().__init__(
             prog=prog,
             description=description,
             allow_abbrev=False,  # A typo is an error, and not another option.
-            formatter_class=lambda prog: _Formatter(prog, width=width),
+            formatter_class=_Formatter,
             **more,
         )
 
@@ -369,16 +367,6 @@ class _Formatter(argparse.HelpFormatter):
         return "\n".join(
             line if not line or line[0] == " " else fill(line, width, indent) for line in lines
         )
-
-
-def _columns() -> int:
-    columns = os.environ.get("COLUMNS", "")
-    if columns.isdecimal() and int(columns):
-        return int(columns)
-    try:
-        return os.get_terminal_size(1).columns or 80
-    except OSError:
-        return 80
 
 
 # The help and the options of each subcommand; `cli.__init__` has the function that runs it.

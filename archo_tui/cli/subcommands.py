@@ -1,20 +1,32 @@
-"""The subcommands that take a few lines: check, keys, completions, consoles, mcp, ...."""
+"""The subcommands that are no verb, no launch file and no robot file."""
 
 from __future__ import annotations
 
+import os
+import shlex
 import signal
 import sys
+import threading
 from argparse import Namespace
+from pathlib import Path
 
-from archo_tui.cli.output import FAILED, complain
+from archo_tui.cli.console import require_terminal
+from archo_tui.client.protocol import FAILED
+from archo_tui.client.shell import complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
+
+_PACKAGE = Path(__file__).parents[1]
+_INTERFACES = ("CMakeLists.txt", "package.xml", "msg", "srv", "action")
+_NEXT = """\
+See them:     archo-tui --node {workspace} --only
+Launch them:  archo-tui launch {workspace} use_sim:=true
+Check them:   archo-tui check {workspace}
+On ROS 2:     cd {workspace} && colcon build"""
 
 
 def check(options: Namespace) -> int:
     """Run the checks of the textbook's chapter on files; 0 if some passed and none failed."""
-    from pathlib import Path
-
     from archo_tui.cli.check import run
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # So that temporary files are removed.
@@ -33,8 +45,6 @@ def check(options: Namespace) -> int:
 
 def print_keys(options: Namespace) -> int:
     """Print the key of each command, in the form of keymap.yaml, and return 0."""
-    from pathlib import Path
-
     from archo_tui.commands import keymap, registry
     from archo_tui.paths import config_file
     from archo_tui.robot_file import load
@@ -85,3 +95,123 @@ def print_journal_path(_options: Namespace) -> int:
 
     print(safe(str(journal_file())))
     return 0
+
+
+def replay(options: Namespace) -> int:
+    """Show a recording on the screen until it is left, or with `--text` print what happened."""
+    from archo_tui import engine
+    from archo_tui.user_code import interfaces as own_interfaces
+
+    if not options.text:
+        try:
+            require_terminal(sys.stdin)
+        except ArchoError as error:  # Without a terminal a replay offers --text.
+            raise ArchoError(str(error).replace("--plain", "--text")) from None
+    given = [Path(folder) for folder in options.interfaces]
+    own, mistakes = own_interfaces.find(given, "embedded")
+    for line in mistakes:
+        complain(f"not read: {line}")
+    engine.activate("embedded", own=own)
+    from archo_tui.clock import Clock
+    from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
+
+    bag = open_bag(options.recording)
+    robot = load_robot_file(bag, options.robot)
+    if options.text:
+        from archo_tui.recordings.replay.report import report_lines
+
+        for line in report_lines(bag, robot):
+            print(safe(line))
+        return 0
+    from archo_tui.app import ArchoApp
+    from archo_tui.commands import keymap, registry
+    from archo_tui.handover import CONSOLE_SOCKET, GO, READY
+    from archo_tui.imports import OF_THE_SCREEN, import_the_rest
+    from archo_tui.paths import config_file
+    from archo_tui.recordings.replay.station import RecordedStation
+    from archo_tui.shutdown import heed_signals
+    from archo_tui.terminal import themes
+    from archo_tui.terminal.stderr import guarded_streams, log_file
+
+    keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
+    heed_signals()
+    import_the_rest(OF_THE_SCREEN)
+    clock = Clock()
+    player = make_player(bag, robot, clock)
+    station = RecordedStation(player, clock)
+    app = ArchoApp(station, keys, themes.remembered_theme(), player=player)
+    if console := os.environ.get(CONSOLE_SOCKET, ""):  # It lends its terminal when that is needed.
+        os.write(int(console), READY)
+        if os.read(int(console), 1) != GO:
+            return 0
+        app.has_lent_terminal = True
+        threading.Thread(target=_end_with_console, args=(int(console),), daemon=True).start()
+    with guarded_streams(log_file()):
+        app.run()
+    if app.failure:
+        complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
+    return app.return_code or 0
+
+
+def _end_with_console(descriptor: int) -> None:
+    """Wait for the end of the console that plays this, which may be killed; then end this, too."""
+    os.read(descriptor, 1)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def recordings(options: Namespace) -> int:
+    """Print a line for each recording of the black box, or for each one that is deleted."""
+    from archo_tui.recordings import store
+
+    if options.delete:
+        for line in store.delete_named(options.delete):
+            print(safe(line))
+        return 0
+    for line in store.listing(as_json=options.json):
+        print(safe(line))
+    return 0
+
+
+def write_chapter(options: Namespace) -> int:
+    """Write a workspace with the chapter's nodes, launch file, parameters and interfaces.
+
+    Raises ArchoError, and writes nothing, if one of the files is there.
+    """
+    import shutil
+
+    if not options.folder.strip():
+        raise ArchoError("type the name of a folder")
+    workspace = Path(options.folder)
+    files = {workspace / name: source for name, source in _sources().items()}
+    if there := next((path for path in files if path.exists() or path.is_symlink()), None):
+        raise ArchoError(f"{there} is there already: nothing was written; name another folder")
+    try:
+        for path, source in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, path)
+    except OSError as error:
+        raise ArchoError(f"{error.filename or workspace}: not written: {error.strerror}") from None
+    for line in [
+        *map(str, files),
+        *_NEXT.format(workspace=shlex.quote(str(workspace))).split("\n"),
+    ]:
+        print(safe(line))
+    return 0
+
+
+def _sources() -> dict[Path, Path]:
+    """Return the file to copy for each path below the workspace."""
+    in_clone = (_PACKAGE.parent / "interfaces" / "package.xml").is_file()
+    root = _PACKAGE.parent if in_clone else _PACKAGE
+    interfaces = root / ("interfaces" if in_clone else "embedded/share/archo_interfaces")
+    chapter = root / "config" / "chapter"
+    found = {path.relative_to(chapter): path for path in sorted(chapter.rglob("*"))}
+    for name in _INTERFACES:
+        path = interfaces / name
+        for file in [path] if path.is_file() else sorted(path.iterdir()):
+            found["src/archo_interfaces" / file.relative_to(interfaces)] = file
+    return {
+        name: path
+        for name, path in found.items()
+        if path.is_file() and "__pycache__" not in name.parts
+    }

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
 from archo_tui.cli.options import ENGINES, SUBCOMMANDS, OneLineErrorParser
-from archo_tui.cli.output import complain
+from archo_tui.client.shell import complain, help_with_options, run
 from archo_tui.nearest import nearest
 
 TYPE_CHECKING = False
@@ -68,8 +68,6 @@ def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> i
     """Send a verb to a console, and with `--engine ros2` to the robot itself if none runs."""
     from pathlib import Path
 
-    from archo_tui.client.shell import run  # Runs quickly, since a prompt may call it.
-
     if given.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant, helps=helps)
     from archo_tui.console.attached import attached
@@ -103,7 +101,5 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
 
 def helps(path: Path | None = None) -> dict[str, str]:
     """Return the help of each verb of a robot file, by what is typed. Raises ArchoError."""
-    from archo_tui.client.shell import help_with_options
-
     known = verbs_of_file(path).values()
     return {verb.id: help_with_options(verb.id, verb.help_line, verb.options) for verb in known}

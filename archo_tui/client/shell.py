@@ -184,7 +184,7 @@ def _fail(code: str, text: str, words: Sequence[str]) -> int:
     if "--json" in words:
         _print_json({"code": code, "text": text})
     else:
-        _print_to_stderr(text)
+        complain(text)
     return EXITS[code]
 
 
@@ -230,7 +230,7 @@ def print_consoles(words: Sequence[str]) -> int:
     try:
         found = find.find({}, faults)
     except Unreached as error:
-        _print_to_stderr(str(error))
+        complain(str(error))
         return UNREACHED
     is_bad = not found
     for console in found:
@@ -242,7 +242,7 @@ def print_consoles(words: Sequence[str]) -> int:
             _print(f"{console.description}{': ' if fault else ''}{fault}")
         console.close()
     if not found:
-        _print_to_stderr(find.no_console_error({}, faults))
+        complain(find.no_console_error({}, faults))
     return UNREACHED if is_bad else 0
 
 
@@ -255,10 +255,10 @@ def _stop(
     typed = [word for word in command_line.rest if is_stop({"words": word})]
     ignored = [word for word in command_line.rest if word not in typed[:1]]
     if ignored:
-        _print_to_stderr(f"{(typed or ['stop'])[0]}: ignored: {' '.join(ignored)}")
+        complain(f"{(typed or ['stop'])[0]}: ignored: {' '.join(ignored)}")
     codes, unreached = [], ""
     try:
-        ended = find.stop(selection, _print_to_stderr)
+        ended = find.stop(selection, complain)
     except Unreached as error:
         ended, unreached = [], str(error)
     # A robot that is attached to acts where a console only watches.
@@ -276,7 +276,7 @@ def _stop(
         except (Unreached, ArchoError) as error:
             if not ended:
                 raise
-            _print_to_stderr(str(error))
+            complain(str(error))
     elif unreached:
         raise Unreached(f"STOP was not sent: {unreached}")
     return max(codes)
@@ -346,7 +346,7 @@ def _request_result(
         elif "text" in reply:
             _print_topic_message(reply)
         elif "said" in reply:
-            _print_to_stderr(reply["said"], prefix="")
+            complain(reply["said"], prefix="")
     raise Unreached(GONE)
 
 
@@ -355,7 +355,7 @@ def _print_topic_message(reply: dict[str, Any]) -> None:
     text = reply["text"]
     _print(f"{text}\n---" if "\n" in text else text)
     if reply["left_out"]:
-        _print_to_stderr(f"{reply['left_out']} left out", prefix="")
+        complain(f"{reply['left_out']} left out", prefix="")
 
 
 def _print_result(
@@ -367,7 +367,7 @@ def _print_result(
     if "--json" in command_line.flags:
         _print_json(result)
     elif code:
-        _print_to_stderr(_failure_text(result, command_line.rest, others))
+        complain(_failure_text(result, command_line.rest, others))
     elif "--help" in command_line.rest[1:] and not command_line.is_stop:
         _print(help_with_options(command_line.rest[0], result["text"], tuple(data or ())))
     elif "--line" in command_line.flags and isinstance(data, dict) and "line" in data:
@@ -375,7 +375,7 @@ def _print_result(
     elif result.get("tells"):
         _print(result["text"])
     elif result["text"]:
-        _print_to_stderr(result["text"], prefix="")
+        complain(result["text"], prefix="")
     return code
 
 
@@ -402,10 +402,10 @@ def _give_up(console: Connection, command_line: _CommandLine) -> int:
                 _print_json(reply)
                 break
             if "code" in reply:
-                _print_to_stderr(reply["text"], prefix="")
+                complain(reply["text"], prefix="")
                 break
     except Unreached as error:
-        _print_to_stderr(str(error))
+        complain(str(error))
     return INTERRUPTED
 
 
@@ -435,7 +435,8 @@ def _print_json(message: dict[str, Any]) -> None:
     _print(json.dumps({name: value for name, value in message.items() if name != "id"}))
 
 
-def _print_to_stderr(text: str, prefix: str = "archo-tui: ") -> None:
+def complain(text: str, prefix: str = "archo-tui: ") -> None:
+    """Print lines on standard error, if that is open."""
     with contextlib.suppress(OSError):  # Nobody reads it; the result is the same.
         if sys.stderr is not None:
             print(f"{prefix}{safe_lines(text)}", file=sys.stderr)

@@ -21,7 +21,7 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
 from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
-from tests.support import script, warm
+from tests.support import warm
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
 from tests.support.robot import making
@@ -185,14 +185,6 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
         for words in (["stop", "--help", "now"], ["STOP", "--help"]):
             assert (await typed(*words)).code == 0
             await heard(person, "STOP: confirmed")
-
-
-async def test_what_cannot_be_printed_is_an_error_and_what_need_not_be_is_none() -> None:
-    async with served(ros_args=FAST):
-        for command, code in (("status", 1), ("consoles", 1), ("stop", 0)):
-            done = await asyncio.to_thread(script.shell, f"archo {command} >&-")
-            assert done.returncode == code, done
-            assert (b"cannot write to standard output" in done.stderr) == bool(code)
 
 
 async def test_data_is_on_standard_output_and_nothing_else() -> None:
