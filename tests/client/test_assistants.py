@@ -535,18 +535,6 @@ async def test_a_request_waits_for_limits_that_were_not_reported_yet(
         other.close()
 
 
-async def test_who_gives_up_waiting_may_ask_again_and_at_most_three_wait() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await asks(assistant)
-        assistant.send({"id": 2, "assistant": True, "words": ["wait", "request", "1"]})
-        assistant.send({"give_up": True})
-        assert (await assistant.result())["code"] == "cancelled"
-        for _ in range(2):
-            assert (await asks(assistant))["code"] == "asked"
-        assert [one.number for one in station(person).approvals.waiting] == [1, 2, 3]
-        assert (await asks(assistant))["text"] == "3 requests wait for a person already"
-
-
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
     async with at_a_terminal(*FAST) as (person, assistant):
         assert (await says(assistant, "status"))["code"] == "done"
@@ -562,18 +550,6 @@ async def test_nobody_is_asked_who_only_watches() -> None:
         said = await asks(assistant)
         assert said["code"] == "refused"
         assert said["text"].startswith("watching only")
-
-
-async def test_it_sees_what_there_is_with_ages() -> None:
-    async with at_a_terminal(*FAST) as (_, assistant):
-        status = await says(assistant, "status")
-        assert status["data"]["battery"]["source"] == "measured"
-        assert (await says(assistant, "events"))["code"] == "done"
-        assert (await says(assistant, "params"))["code"] == "done"
-        (kind,) = (await says(assistant, "goals"))["data"]
-        assert kind["kind"] == "go"
-        shelf = kind["schema"]["properties"]["shelf_number"]
-        assert (shelf["type"], shelf["minimum"]) == ("integer", 1)
 
 
 async def test_no_motion_without_a_yes_whatever_is_called(

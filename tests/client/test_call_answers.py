@@ -40,16 +40,12 @@ class Mapper(Node):
         return response
 
 
-async def test_a_shell_prints_the_answer_and_as_json_its_fields() -> None:
+async def test_a_shell_prints_the_answer_and_a_program_gets_its_fields() -> None:
     async with served(Mapper):
         said = await typed("call", "save_map")
         assert said == (0, "success true, message map.pgm\n", "")
         said = await typed("call", "save_map", "--json")
         assert json.loads(said.out)["data"] == {"success": True, "message": "map.pgm"}
-
-
-async def test_python_returns_the_answer() -> None:
-    async with served(Mapper):
 
         def call() -> Any:
             with archo_tui.connect() as robot:

@@ -62,15 +62,6 @@ async def test_a_stop_of_a_shell_closes_the_question_on_the_screen() -> None:
         await op.until("Release the stop?")
 
 
-async def test_a_shell_is_refused_what_is_greyed_on_the_screen() -> None:
-    async with console(*FAST, remote=True) as op:
-        await reachable(op)
-        await op.press("n")
-        await op.until("no queue is held")
-        refused = await typed("continue")
-        assert (refused.code, refused.err) == (1, "archo-tui: continue: no queue is held\n")
-
-
 @pytest.mark.parametrize("how", ["q", "ctrl+q"])
 async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_quits(
     how: str,

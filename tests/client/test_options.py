@@ -2,50 +2,50 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Iterator
 from contextlib import nullcontext
 from typing import Any
 
 import pytest
-from rclpy.node import Node
-from rclpy.task import Future
-from std_srvs.srv import Trigger
 
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from archo_tui.client.connection import Connection
 from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
-from tests.support.robot import making
-from tests.support.ros import begin
-from tests.support.shells import heard, raw, said, served, typed, until
+from tests.support.shells import heard, raw, said, served, typed
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
-MISUSED = [
-    ("go 3 --follow", "go has no --follow: events and echo have it"),
-    ("events --once", "events has no --once: echo has it"),
-    ("go 3 --line", "go has no --line: status has it"),
-    ("go 3 --leave", "--leave goes with --wait"),
-    ("reset --wait", "reset has no --wait: it sends no goals"),
-    ("status --wait", "status has no --wait: it sends no goals"),
-    ("wait idle --wait", "wait has no --wait"),
-    ("go 3 --timeout soon", "--timeout: not a time in s: soon"),
-    ("events 3 --follow", "only events can be followed, without further words"),
-    ("go 3 --nosuch", "not a whole number: --nosuch"),
+ENDS = [  # what is typed, the exit code, and what is said on standard error
+    ("wait battery 100 --timeout 0", 4, "wait: not yet"),
+    ("wait idle --timeout x", 2, "--timeout: not a time in s: x"),
+    ("status --jsn", 2, "status: takes no values (nearest to --jsn: --json)"),
+    ("status --to 1", 3, "no console 1 runs here"),
+    ("wait idle", 0, "idle"),
+    ("wait ready", 0, "ready"),
+    ("wait battery 10", 0, "8"),  # And some tenths less on a slow machine.
+    ("go 3 --follow", 2, "go has no --follow: events and echo have it"),
+    ("events --once", 2, "events has no --once: echo has it"),
+    ("go 3 --leave", 2, "--leave goes with --wait"),
+    ("reset --wait", 2, "reset has no --wait: it sends no goals"),
+    ("wait idle --wait", 2, "wait has no --wait"),
+    ("events 3 --follow", 2, "only events can be followed, without further words"),
+    ("chek x.py", 2, "no command 'chek' (nearest: check)\n"),
 ]
 
 
-async def test_an_option_that_a_verb_does_not_have_is_misuse_and_nothing_is_sent() -> None:
+async def test_the_exit_code_says_how_it_ended_and_misuse_sends_nothing() -> None:
     async with served(ros_args=FAST) as person:
-        for words, why in MISUSED:
+        for words, code, why in ENDS:
             told = await typed(*words.split())
-            assert (told.code, told.out) == (2, ""), words
+            assert (told.code, told.out) == (code, ""), words
             assert why in told.err, words
         assert person._plain._station.robot.snapshot.goal is None
+        for verb in ("go", "cancel", "status", "echo"):  # As without a console.
+            assert (await typed(verb, "--help")).out == f"{helps()[verb]}\n"
 
 
 async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -> None:
@@ -66,34 +66,6 @@ async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -
         assert (await typed("wait", "battery", "100", "--timeout", "0.2")).code == 4
         assert (await typed("stop", "--timeout", "0")).code == 0
         await heard(person, "STOP: confirmed")
-
-
-class Deaf(Node):
-    """Has a service that answers when the test says so."""
-
-    def __init__(self, **given: Any) -> None:
-        super().__init__("deaf", **given)
-        self.asked = 0
-        self.awake: Future[bool] = Future()
-        self.create_service(Trigger, "ponder", self.ponder)
-
-    async def ponder(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self.asked += 1
-        await self.awake
-        response.success = True
-        return response
-
-
-async def test_a_call_that_is_not_answered_in_its_time_may_still_be_done() -> None:
-    made: list[Deaf] = []
-    async with served(making(made, Deaf)):
-        asked = asyncio.ensure_future(typed("call", "/ponder", "--timeout", "0.5"))
-        await until(lambda: made and made[0].asked)
-        told = await asked
-        assert told.code == 4
-        assert "not within 0.5 s: the robot may still do it" in told.err
-        begin(made[0], lambda: made[0].awake.set_result(True))
-        assert (await typed("status", "--line")).code == 0
 
 
 NOBODY = "no console runs here"
@@ -135,16 +107,6 @@ def test_without_a_console_every_verb_has_its_help() -> None:
             verb.has_goals,
             verb.may_ask,
         ) or verb.id == "stop"
-
-
-async def test_help_is_the_same_with_a_console() -> None:
-    async with served(ros_args=FAST) as person:
-        for verb in verbs_of_file():
-            if verb != "stop":
-                assert (await typed(verb, "--help")).out == f"{helps()[verb]}\n"
-        nearest = await typed("chek", "x.py")
-        assert nearest.err.endswith("archo-tui: no command 'chek' (nearest: check)\n")
-        assert "STOP" not in person.said
 
 
 async def test_the_help_of_wait_is_its_own_with_json_too() -> None:

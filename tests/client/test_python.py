@@ -194,13 +194,6 @@ def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
         handle.wait()
 
 
-async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
-    async with driving(12, timeout=1) as (person, _, goal):
-        with pytest.raises(RanOut, match="not within 1 s"):
-            await asyncio.to_thread(goal.wait)
-        await heard(person, "CANCELLED")
-
-
 async def test_of_a_robot_that_brakes_for_long_the_time_is_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -225,33 +218,7 @@ async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refuse
         await heard(person, "STOP: confirmed")
 
 
-async def test_what_the_program_leaves_to_the_console_goes_on() -> None:
-    async with served(ros_args=LONG) as person:
-        await does(lambda robot: robot.do("go", "12"))
-        await heard(person, "MOVING to 12")
-        status = await does(lambda robot: robot.status())
-        assert (status.goal.code, status.motion.moving) == (None, True)
-
-
 # ctrl+c and threads
-
-
-async def test_any_exception_in_a_wait_cancels_the_goal(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with driving() as (person, robot, goal):
-
-        def interrupted(*_: Any) -> bool:
-            raise KeyboardInterrupt
-
-        with monkeypatch.context() as patch:
-            patch.setattr(goal._has_ended, "wait", interrupted)
-            with pytest.raises(KeyboardInterrupt):
-                goal.wait()
-        await heard(person, "CANCELLED")
-        await until(goal.done)
-        begun = time.monotonic()
-        with pytest.raises(Refused, match="no goal is running"):
-            await asyncio.to_thread(robot.cancel)
-        assert time.monotonic() - begun < DEADLINE
 
 
 async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered() -> None:

@@ -48,34 +48,6 @@ async def ended(process: subprocess.Popen[str]) -> Said:
     return Said(process.returncode, out, err)
 
 
-async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
-    async with served(ros_args=FAST) as person:
-        said = await typed("go", "12", "7", "--wait")
-        assert said == (0, "", "accepted\nArrived at shelf 7\n")
-        assert "SHELL pid " in person.said
-        assert "Arrived at shelf 12" in person.said
-        assert (await typed("go", "12")) == (0, "", "accepted\n")
-
-
-ENDS = [
-    ("wait battery 100 --timeout 0", 4, "archo-tui: wait: not yet"),
-    ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),
-    ("status --jsn", 2, "archo-tui: status: takes no values (nearest to --jsn: --json)"),
-    ("status --to 1", 3, "archo-tui: no console 1 runs here"),
-    ("wait idle", 0, "idle"),
-    ("wait ready", 0, "ready"),
-    ("wait battery 10", 0, "8"),  # and some tenths less on a slow machine
-]
-
-
-async def test_the_exit_code_says_how_it_ended() -> None:
-    async with served(ros_args=FAST):
-        for words, code, text in ENDS:
-            said = await typed(*words.split())
-            assert (said.code, said.out) == (code, ""), said
-            assert said.err.startswith(text), said
-
-
 async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> None:
     async with served(ros_args=LONG) as person:
         first = client("go", "12", "--wait")
@@ -87,17 +59,6 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
         await until(lambda: not person._plain._station.queue.waiting)  # nobody waits for it now
-
-
-async def test_nothing_is_left_of_a_list_that_was_refused_behind_a_stop() -> None:
-    async with served(ros_args=FAST) as person:
-        assert (await typed("stop")).code == 0
-        refused = await typed("go", "3", "4", "--wait")
-        assert refused.code == 1
-        assert refused.err.endswith("not driven either: 4\n")
-        assert (await typed("release", "--yes")).code == 0
-        assert "no queue is held" in (await typed("continue")).err
-        assert not person._plain._station.queue.waiting
 
 
 async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
@@ -114,15 +75,6 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         assert [goal.text for goal in station.queue.waiting] == ["7"]
 
 
-async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
-    async with served(ros_args=LONG) as person:
-        assert (await typed("go", "12", "7")).code == 0
-        assert (await typed("cancel")) == (0, "", "accepted; held in the queue: 7\n")
-        await heard(person, "queue held: 7 (cancelled)")
-        assert (await typed("go", "3")) == (0, "", "accepted\n")
-        assert (await typed("go", "5")) == (0, "", "queued, held: cancelled\n")
-
-
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
     async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
         station = person._plain._station
@@ -133,58 +85,6 @@ async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> No
         assert (await typed("continue")).code == 0
         assert (await typed("set", "motor_controller", "time_scale", "75")).code == 0
         assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")
-
-
-async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
-    async with served(ros_args=LONG) as person:
-        waits = client("go", "12", "7", "--wait")
-        await heard(person, "MOVING to 12")
-        assert await typed("stop") == Said(0, "", "confirmed\n")
-        assert (await ended(waits)).code == 1  # aborted
-        await heard(person, "queue held: 7")
-        asked = await typed("release")
-        assert asked.code == 2
-        assert "Release the stop? Moves are allowed again" in asked.err
-        assert "(add --yes to do it)" in asked.err
-        assert (await typed("release", "--yes")).code == 0
-
-
-SPELLED = [
-    *("STOP", "Stop!", "stop now please", "stop --timeout soon", "stop --json --to"),
-    "stop \udcff",
-]
-
-
-async def test_for_a_stop_no_spelling_is_wrong() -> None:
-    async with served(ros_args=FAST) as person:
-        for number, spelled in enumerate(SPELLED, 1):
-            assert (await typed(*spelled.split())).code == 0, spelled
-            assert person._plain._station.robot.stops.count == number
-        await heard(person, "STOP: confirmed")
-
-
-async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> None:
-    async with served(ros_args=FAST) as person:
-        spoken = person._plain._verbs
-        for verb, options in (
-            ("go", {"--wait", "--leave", "--yes", "--timeout", "--json", "--to"}),
-            ("cancel", {"--yes", "--timeout", "--json", "--to"}),
-            ("stop", {"--json", "--to"}),
-            ("wait", {"--timeout", "--json", "--to"}),
-            ("status", {"--line", "--timeout", "--json", "--to"}),
-            ("echo", {"--once", "--timeout", "--json", "--to"}),
-            ("events", {"--follow", "--timeout", "--json", "--to"}),
-        ):
-            told = await typed(verb, "--help")
-            assert (told.code, told.err) == (0, "")
-            line, *rest = told.out.splitlines()
-            if verb in spoken:
-                assert line == spoken[verb].help_line
-            assert {word for row in rest for word in row.split()[:1] if word[0] == "-"} == options
-        assert "STOP: confirmed" not in person.said
-        for words in (["stop", "--help", "now"], ["STOP", "--help"]):
-            assert (await typed(*words)).code == 0
-            await heard(person, "STOP: confirmed")
 
 
 async def test_data_is_on_standard_output_and_nothing_else() -> None:

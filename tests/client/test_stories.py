@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -162,6 +163,8 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
     async def do(step: Step) -> None:
         waits = ["--wait"] if step.words.startswith("go") and step.waits else []
         said = await typed(*step.words.split(), *waits)
+        if step.outcomes[-1:] == ("go arrived",) and waits:
+            assert re.fullmatch(r"accepted\nArrived at shelf \d+\n", said.err), said
         is_refused = step.waits and any("refused" in outcome for outcome in step.outcomes)
         good = bool(step.outcomes) and not is_refused
         assert said.code == (0 if good else 1), said
@@ -231,6 +234,8 @@ REFUSALS = [  # what is typed, the code of its outcome, and why
         "misuse",
         "get: /motor_controller has no parameter max_sped (nearest: max_speed)",
     ),
+    ("continue", "refused", "continue: no queue is held"),
+    ("go 3 --nosuch", "misuse", "go: Shelf: not a whole number: --nosuch"),
     ("wait", "misuse", "wait: wait needs idle, arrived, ready, stopped, left N or battery N"),
     ("wait arrived", "refused", "wait: no goal is running"),
     ("wait battery 101", "misuse", "wait: battery: from 0 to 100 percent, not 101"),

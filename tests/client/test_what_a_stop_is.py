@@ -20,7 +20,7 @@ from archo_tui.client.mcp.server import make_server
 from archo_tui.console import socket as server
 from archo_tui.robot.stop import words as lines
 from archo_tui.robot.stop.gate import Stops
-from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
+from tests.assistant.support import FakeConsole, fake_console, parameters
 from tests.assistant.test_its_connection import INITIALIZE
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
@@ -109,6 +109,10 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         ("stop --ros-args -r a:=b", ["stop"], ""),
         ("--json stop --ros-args -r a:=b", ["stop"], ""),
         ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
+        ("STOP --help", ["stop"], "archo-tui: STOP: ignored: --help\n"),
+        ("stop --timeout soon", ["stop"], ""),
+        ("stop --json --to", ["stop"], ""),
+        ("stop \udcff", ["stop"], ""),
         (
             "--watch stop",
             ["stop"],
@@ -181,16 +185,6 @@ def test_a_misspelt_option_loses_no_stop_where_no_console_runs(
 def test_a_stop_that_nobody_gets_is_never_called_sent(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--namspace", "/x", "stop"]) == 3
     assert "STOP was not sent: no console" in capsys.readouterr().err
-
-
-async def test_a_reason_stops_the_robot_and_is_said_to_be_ignored() -> None:
-    async with fake_console() as console, assistant() as model:
-        console.answer("stop", "done", "confirmed")
-        told = await model.call("stop", reason="a person is in the way")
-        assert not told.failed
-        assert told.data["summary"].startswith("STOP is confirmed by the robot.")
-        assert "What was given with it is ignored" in told.data["summary"]
-        await stopped(console)
 
 
 async def test_arguments_that_are_none_stop_the_robot_too() -> None:

@@ -446,6 +446,7 @@ SENT: list[list[bytes]] = [
     [b"STOP!"],
     [b'{"id": 1, "words": ["Stop;", "now"]}\n'],
     [b'{"id": 1, "words": "stop"}\n'],
+    [b'{"id": {"a": []}, "words": ["stop", 1, null], "wait": [], "timeout": "x"}\n'],
     [b'{"id": 1, "words": ["", "stop"], "to": 0, "engine": [], "domain": null}\n'],
 ]
 
@@ -554,25 +555,3 @@ def test_a_console_that_wakes_stops_though_whoever_said_so_was_killed(killed: in
         stop.communicate(timeout=DEADLINE)
         script.signal(signal.SIGCONT)
         script.until("STOP: confirmed")
-
-
-CRON = """
-import sys
-from archo_tui.client import sockets
-sockets._TEMPORARY = sys.argv[1]
-from archo_tui.cli import main
-sys.exit(main(sys.argv[2:]))
-"""
-
-
-async def test_cron_reaches_a_console_without_a_variable() -> None:
-    kept = ("PATH", "ARCHO_TESTS_RUN", "LC_ALL")
-    given = {name: os.environ[name] for name in kept if name in os.environ}
-    words = (sockets._TEMPORARY, "stop")
-    async with served() as person:
-        run = await asyncio.create_subprocess_exec(
-            *warm.python("-c", CRON, *words), env=given, cwd="/", stdout=-1, stderr=-1
-        )
-        assert await run.communicate() == (b"", b"confirmed\n")
-        assert run.returncode == 0
-        await heard(person, "STOP: confirmed")
