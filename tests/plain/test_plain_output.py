@@ -37,7 +37,7 @@ def test_a_reader_that_stalls_does_not_keep_a_stop_from_the_robot(script: Script
     script.until_done("STOP: confirmed")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", corners([signal.SIGTERM], [signal.SIGHUP]))
 def test_a_signal_ends_it_within_3_s_though_nobody_reads(script: Script, number: int) -> None:
     stall(script)
     script.signal(number)

@@ -42,12 +42,6 @@ def test_a_release_typed_before_a_stop_is_not_sent() -> None:
     assert "motor STOPPED" in script.said.split("failed:")[1], script.said
 
 
-def test_a_release_typed_behind_a_stop_is_sent() -> None:
-    script = Script()
-    assert script.end("stop\nrelease --yes\nstatus\n") == 0
-    assert "motor IDLE" in script.said.split("YOU console: release stop: ")[1]
-
-
 def silent_battery(**options: Any) -> Node:
     """A battery that reports nothing: until 5 s after the start, the robot is not all found."""
     node = Node("battery_monitor", **options)
@@ -99,20 +93,6 @@ async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
     async with operated() as person:
         assert await person.end("go 12\nstop\nrelease --yes\ngo 7\n") == 1
     assert f"failed: go: {VOID}" in person.said
-    assert "ARRIVED, Arrived at shelf 7" in person.said
-
-
-async def test_a_stop_holds_the_queue_until_it_is_continued() -> None:
-    async with operated() as person:
-        person.type("go 12 7\n")
-        await person.until("MOVING to 12")
-        person.type("stop\n")
-        await person.until("ABORTED, Emergency stop")
-        await person.until("queue held: 7 (")
-        person.type("release --yes\n")
-        await person.until("console: release stop: ")
-        assert "shelf 7: accepted" not in person.said
-        assert await person.end("continue\n") == 1  # 12 did not arrive
     assert "ARRIVED, Arrived at shelf 7" in person.said
 
 

@@ -14,44 +14,40 @@ COMMENT = "# State of the drive, published on motor_status."
 
 
 async def test_a_type_may_be_typed_with_or_without_its_package() -> None:
-    for name in ("archo_interfaces/msg/MotorStatus", "archo_interfaces/MotorStatus", "MotorStatus"):
-        code, said = await plain(f"interface {name}\n")
-        assert code == 0, said
-        assert f"{COMMENT}\nint64 encoder_ticks" in said, name
-
-
-async def test_services_and_actions_are_found_by_their_name() -> None:
-    code, said = await plain("interface MoveToShelf\ninterface std_srvs/Trigger\n")
+    names = [
+        *("archo_interfaces/msg/MotorStatus", "archo_interfaces/MotorStatus", "MotorStatus"),
+        *("MoveToShelf", "std_srvs/Trigger"),
+    ]
+    code, said = await plain("".join(f"interface {name}\n" for name in names))
     assert code == 0, said
+    assert said.count(f"{COMMENT}\nint64 encoder_ticks") == 3
     assert "# Drive to a shelf.\nint32 shelf_number" in said
     assert "---\nbool success" in said
 
 
-@pytest.mark.parametrize(
-    ("name", "why"),
-    [
-        ("MotorStatu", "no type MotorStatu is on the graph (nearest: MotorStatus)"),
-        (
-            "archo_interfaces/msg/MotorStat",
-            "no type archo_interfaces/msg/MotorStat is installed here "
-            "(nearest: archo_interfaces/msg/MotorStatus)",
-        ),
-        (
-            "std_msgs/Strin",
-            "no type std_msgs/Strin is installed here (nearest: std_msgs/String)",
-        ),
-        (
-            "archo_interface/msg/MotorStatus",
-            "no package of interfaces archo_interface is installed here "
-            "(nearest: archo_interfaces)",
-        ),
-        ("../a", "no package of interfaces .. is installed here"),
-    ],
-)
-async def test_a_wrong_type_is_one_line_with_the_nearest(name: str, why: str) -> None:
-    code, said = await plain(f"interface {name}\n")
-    assert code == 1
-    assert f"failed: interface: {why}\n" in said
+WRONG = [
+    ("MotorStatu", "no type MotorStatu is on the graph (nearest: MotorStatus)"),
+    (
+        "archo_interfaces/msg/MotorStat",
+        "no type archo_interfaces/msg/MotorStat is installed here "
+        "(nearest: archo_interfaces/msg/MotorStatus)",
+    ),
+    (
+        "std_msgs/Strin",
+        "no type std_msgs/Strin is installed here (nearest: std_msgs/String)",
+    ),
+    (
+        "archo_interface/msg/MotorStatus",
+        "no package of interfaces archo_interface is installed here (nearest: archo_interfaces)",
+    ),
+    ("../a", "no package of interfaces .. is installed here"),
+]
+
+
+async def test_a_wrong_type_is_one_line_with_the_nearest() -> None:
+    code, said = await plain("".join(f"interface {name}\n" for name, _ in WRONG))
+    told = [line.partition(" failed: interface: ")[2] for line in said.splitlines()]
+    assert (code, told) == (1, [why for _, why in WRONG])
 
 
 @pytest.mark.real_time

@@ -22,6 +22,7 @@ from std_srvs.srv import Trigger
 from archo_tui.robot.outcome import WATCHING, data_of
 from archo_tui.robot.state.readings import Pose
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
+from archo_tui.session import _robots_nodes
 from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock
@@ -123,28 +124,28 @@ async def test_what_a_file_says_of_others_is_left_out_said_and_a_failure(here: P
     )
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("load bad.yaml --yes", "nothing was changed: bad.yaml:3: motor_controller max_speed: "),
-        ("load nosuch.yaml", "nosuch.yaml: cannot read the parameter file: No such file"),
-        ("load there", "there: not a regular file"),
-        ("load ''", "type the name of a file"),
-        ("load ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
-        ("save there --yes", "there: not a regular file"),
-        ("save there", "there already exists. Overwrite it? (add --yes to do it)"),
-        ("save nosuch/x.yaml", "nosuch/x.yaml: cannot write the file: No such file"),
-        ("save '' --yes", "type the name of a file"),
-        ("save ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
-    ],
-)
-async def test_a_file_that_cannot_be_used_is_one_line(here: Path, line: str, said: str) -> None:
+UNUSABLE = [
+    ("load bad.yaml --yes", "nothing was changed: bad.yaml:3: motor_controller max_speed: "),
+    ("load nosuch.yaml", "nosuch.yaml: cannot read the parameter file: No such file"),
+    ("load there", "there: not a regular file"),
+    ("load ''", "type the name of a file"),
+    ("load ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
+    ("save there --yes", "there: not a regular file"),
+    ("save there", "there already exists. Overwrite it? (add --yes to do it)"),
+    ("save nosuch/x.yaml", "nosuch/x.yaml: cannot write the file: No such file"),
+    ("save '' --yes", "type the name of a file"),
+    ("save ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
+]
+
+
+async def test_a_file_that_cannot_be_used_is_one_line(here: Path) -> None:
     (here / "there").mkdir()
     text = "motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n"
     (here / "bad.yaml").write_text(text)
-    code, heard = await plain(f"{line}\n")
-    assert (code, len(heard.splitlines())) == (1, 1), heard
-    assert f" failed: {line.split()[0]}: {said}" in heard
+    code, heard = await plain("".join(f"{line}\n" for line, _ in UNUSABLE))
+    assert code == 1
+    for (line, said), told in zip(UNUSABLE, heard.splitlines(), strict=True):
+        assert f" failed: {line.split()[0]}: {said}" in told
 
 
 async def test_nodes_are_listed_halted_started_and_copied() -> None:
@@ -405,25 +406,25 @@ async def test_any_action_and_service_on_the_graph_take_fields_and_yaml() -> Non
     assert "goal SUCCEEDED, fibonacci 3, sequence [0, 1, 1, 2]" in said
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("call plan nosuch=1", "expected start."),
-        ("call plan fast", "expected start."),
-        ("call plan fast=perhaps", "fast: not true or false: perhaps"),
-        ("call plan {fast: 1}", "expected "),
-        ("call plan '{fast: 1}'", "fast: 1 is not"),
-        ("call plan '{fast: '", "not YAML: "),
-        ("call plann", "no service /plann is on the graph (nearest: /plan)"),
-        ("send_goal fibonacci order=x", "order: not a whole number: x"),
-        ("send_goal fibonaci order=1", "no action /fibonaci is on the graph (nearest: /fibonacci)"),
-    ],
-)
-async def test_what_does_not_fit_an_action_or_service_is_said(line: str, said: str) -> None:
-    code, heard = await plain(f"{line}\n", Counting)
-    assert (code, len(heard.splitlines())) == (1, 1), heard
-    assert f"failed: {line.split()[0]}: " in heard
-    assert said in heard
+UNFITTING = [
+    ("call plan nosuch=1", "expected start."),
+    ("call plan fast", "expected start."),
+    ("call plan fast=perhaps", "fast: not true or false: perhaps"),
+    ("call plan {fast: 1}", "expected "),
+    ("call plan '{fast: 1}'", "fast: 1 is not"),
+    ("call plan '{fast: '", "not YAML: "),
+    ("call plann", "no service /plann is on the graph (nearest: /plan)"),
+    ("send_goal fibonacci order=x", "order: not a whole number: x"),
+    ("send_goal fibonaci order=1", "no action /fibonaci is on the graph (nearest: /fibonacci)"),
+]
+
+
+async def test_what_does_not_fit_an_action_or_service_is_said() -> None:
+    code, heard = await plain("".join(f"{line}\n" for line, _ in UNFITTING), Counting)
+    assert code == 1
+    for (line, said), told in zip(UNFITTING, heard.splitlines(), strict=True):
+        assert f"failed: {line.split()[0]}: " in told
+        assert said in told
 
 
 async def test_names_are_typed_with_or_without_the_namespace() -> None:
@@ -514,36 +515,23 @@ async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
     code, said = await plain(
         "log_level motor_controller\nlog_level /motor_controller WARN\n"
         "log_level motor_controller\nlog_level motor_controller unset\n"
-    )
-    assert code == 0, said
-    lines = said.splitlines()
-    assert lines[0] == "motor_controller logs INFO and above, the level of its process"
-    assert "log level of motor_controller WARN: WARN and above, was INFO" in said
-    assert "motor_controller logs WARN and above" in lines
-    assert "UNSET: INFO and above, the level of its process, was WARN and above" in said
-
-
-async def test_what_became_of_a_log_level_is_said_once() -> None:
-    code, said = await plain("log_level dashboard debug\nlog_level dashboard unset\n")
-    assert code == 0, said
-    assert said.count("DEBUG and above, was INFO and above, the level of its process") == 1
-
-
-async def test_what_is_no_node_or_no_level_of_its_log_is_said() -> None:
-    code, said = await plain(
         "log_level countign\nlog_level counting loud\nlog_level counting debug\n",
+        *_robots_nodes(False).values(),
         Counting,
     )
     assert code == 1
+    lines = said.splitlines()
+    assert lines[0] == "motor_controller logs INFO and above, the level of its process"
+    assert said.count("log level of motor_controller WARN: WARN and above, was INFO") == 1
+    assert "motor_controller logs WARN and above" in lines
+    assert "UNSET: INFO and above, the level of its process, was WARN and above" in said
     assert "failed: log_level: no node /countign is on the graph (nearest: counting)" in said
     assert "loud is not a log level: one of unset, debug, info, warn, error, fatal" in said
     assert "does not offer the level of its log (in rclpy: enable_logger_service=True)" in said
 
 
 async def test_whoever_watches_sees_the_level_of_a_log_and_sets_none() -> None:
-    code, said = await plain(
-        "log_level dashboard\nlog_level dashboard debug\nlog_level dashboard\n", watch=True
-    )
+    code, said = await plain("log_level dashboard\nlog_level dashboard debug\n", watch=True)
     assert code == 1
-    assert said.count("dashboard logs INFO and above, the level of its process") == 2
+    assert "dashboard logs INFO and above, the level of its process" in said
     assert f"failed: log_level: {WATCHING}" in said
