@@ -9,15 +9,16 @@ from archo_tui.client.protocol import words_of
 from archo_tui.console.waits import timeout_of, wait_until
 from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.messages.typed import parse_all, typed_text
+from archo_tui.robot.messages.typed import typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.goal import values_text
+from archo_tui.robot_file.model import FormField
 from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json
 from archo_tui.verbs.goals import GOALS, Go
-from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready, schema
+from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready
 
 _LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
@@ -52,18 +53,18 @@ class Assistants:
         return await run_when_ready(self._station, verb, values)
 
     def _goals(self) -> list[dict[str, Any]]:
-        """Return `kind`, `title` and `schema`, a JSON schema with field paths, of each goal."""
+        """Return `kind`, `title` and `values` of each goal: what each field takes, by its path."""
         snapshot, found = self._station.robot.snapshot, []
         for verb in self._verbs.values():
-            if isinstance(verb, Go):
-                json_schema = schema(verb, snapshot)
-                paths = [field.path for field in snapshot.forms.get(verb.kind.id, ())]
-                properties = zip(paths, json_schema["properties"].items(), strict=False)
-                json_schema["properties"] = {
-                    path: {"title": label, **value} for path, (label, value) in properties
-                }
-                json_schema["required"] = paths
-                found.append({"kind": verb.id, "title": verb.title, "schema": json_schema})
+            if not isinstance(verb, Go):
+                continue
+            form, values = snapshot.form(verb.kind), dict[str, Any]()
+            for field in snapshot.forms.get(verb.kind.id, ()):
+                given = form.get(field.path, FormField())
+                about = {name: getattr(given, name) for name in ("label", "low", "high", "unit")}
+                known = {name: value for name, value in about.items() if value not in (None, "")}
+                values[field.path] = {"type": field.type, **known}
+            found.append({"kind": verb.id, "title": verb.title, "values": values})
         return found
 
     async def _request_approval(self, requester: Requester, wanted: Any) -> Outcome:
@@ -75,8 +76,11 @@ class Assistants:
             raise ValueError(f"kind: the goals of this robot are {kinds}")
         if self._station.robot.watching:
             return Outcome(Code.REFUSED, WATCHING)
-        values = self._checked_values(verb, wanted.get("values"))
-        goals = {GOALS: [values]}
+        given = wanted.get("values")
+        if not isinstance(given, dict):
+            raise ValueError("values: expected an object, by name")
+        goals = verb.values([f"{name}={typed_text(value)}" for name, value in given.items()])
+        (values,) = goals[GOALS]
         prepared = await prepare_when_found(self._station, verb, goals)
         if isinstance(prepared, Outcome):
             return Outcome(Code.REFUSED, prepared.text)
@@ -95,27 +99,6 @@ class Assistants:
             return Outcome(Code.REFUSED, str(error))
         text = f"request {request.number} waits for a person: {text}"
         return Report.of(text, {"request": request.number, "expires_in": LIFETIME}, Code.ASKED)
-
-    def _checked_values(self, verb: Go, given: Any) -> dict[str, Any]:
-        """Return the values of a goal by dotted path, each converted to its field's type."""
-        fields = self._station.robot.snapshot.forms.get(verb.kind.id)
-        if fields is None:
-            raise ValueError(f"{verb.kind.type} is not installed here")
-        if not isinstance(given, dict):
-            raise ValueError("values: expected an object, by name")
-        paths = [field.path for field in fields]
-        for name in given:
-            if name not in paths:
-                raise ValueError(f"values: no {name[:40]!r}; there are {', '.join(paths)}")
-        missing = [path for path in paths if path not in given]
-        if missing:
-            raise ValueError(f"values: {', '.join(missing)} is missing")
-        texts: dict[str, str] = {}
-        for path in paths:
-            if isinstance(given[path], (dict, list)) or given[path] is None:
-                raise ValueError(f"values: {path} is not a number, a text, true or false")
-            texts[path] = typed_text(given[path])
-        return parse_all(fields, verb.kind.form, texts)
 
     async def _wait_for_request(
         self, requester: Requester, words: list[str], timeout: float | None

@@ -164,7 +164,7 @@ class Go(Verb):
     def is_found(self, station: Station, values: Values) -> bool:
         """Return True if the nodes with its limits, if any, have reported their parameters."""
         snapshot = station.robot.snapshot
-        limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
+        limits = [limit for field in self.kind.form.values() for limit in (field.low, field.high)]
         nodes = {snapshot.full(limit.node) for limit in limits if isinstance(limit, ParameterRef)}
         return nodes <= {parameter.node for parameter in snapshot.parameters}
 
@@ -195,14 +195,13 @@ def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
             return ()
         return map(str, range(math.ceil(least), math.floor(most) + 1)[:_MOST_NUMBERS])
 
-    label, unit = given.label or field.path, given.unit
-    return Argument(label, field.type, several, low=low, high=high, unit=unit, completer=numbers)
+    return Argument(given.label or field.path, many=several, completer=numbers)
 
 
 class Cancel(Verb):
     id, title = "cancel", "Cancel"
     help = "Cancel the running goal, or every goal; the queue behind it is held; end pub, too"
-    arguments = (Argument("--all", "boolean", optional=True),)
+    arguments = (Argument("--all", optional=True),)
     acts = may_ask = survives_stop = True
 
     def is_found(self, station: Station, values: Values) -> bool:

@@ -145,7 +145,7 @@ class Drive(_PlaceVerb):
     help = "Send the goals of a list, once or N times in turn"
     arguments = (
         Argument("name", completer=_lists),
-        Argument("n", "int32", optional=True, low=1),
+        Argument("n", optional=True),
     )
     acts = moves = has_goals = may_ask = True
 

@@ -79,7 +79,7 @@ class Status(Verb):
 class Events(Verb):
     id, title, tells = "events", "Events", True
     help = f"Show the last {_EVENTS} events, or the last N"
-    arguments = (Argument("n", "int32", optional=True, low=1),)
+    arguments = (Argument("n", optional=True),)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         given = values.get("n", str(_EVENTS))

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.clients.requester import current_requester
-from archo_tui.robot.messages.types import INTEGERS, TypedField, element_of
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import NOT_REPORTED
 from archo_tui.robot.state.snapshot import Life, Snapshot
-from archo_tui.robot_file.model import Limit, RobotFile
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.station import Station
 
 GOAL_ENDED = "the goal that was asked about has ended"
@@ -33,7 +33,6 @@ _HOSTED_TIMEOUT = 5.0  # Seconds to wait until a node that runs here is found on
 _STARTING_TIMEOUT = 15.0  # Seconds to wait for one whose constructor has not returned.
 _RETRY_PERIOD = 0.05  # Seconds between two tries.
 _GOAL_POLL_PERIOD = 0.2  # Seconds between two looks whether the goal in question has ended.
-_TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 # Returns if the answer is yes; raises ArchoError if it is not, or if nobody can be asked.
 Ask = Callable[["Question"], Awaitable[None]]
 # Gets the words between the verb and the argument that is completed.
@@ -46,23 +45,16 @@ class Argument(NamedTuple):
     Attributes:
         name: The name; with a leading `--`, as in `--all`, the argument is a flag.
         takes: What stands behind a flag: `HZ`; "" for nothing.
-        type: The type as ROS names it: int32, double, string, sequence<int32>.
         many: True if it takes all further words, each as a value.
         rest: True if it takes all further words as one text.
         optional: True if the words may end before it.
-        low: The least value, or the parameter that has it; None for no limit. `high` likewise.
-        unit: The unit for people, as `m/s`; "" for none.
         completer: Returns the words that a shell offers for it; None for none.
     """
 
     name: str
-    type: str = "string"
     many: bool = False
     rest: bool = False
     optional: bool = False
-    low: Limit = None
-    high: Limit = None
-    unit: str = ""
     completer: Completer | None = None
     takes: str = ""
 
@@ -327,38 +319,6 @@ def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]
         found = (name.removeprefix("/") for name in found)
     wanted = {name for name in found if name.startswith(unfinished)}
     return sorted(wanted, key=lambda word: (0, int(word), "") if word.isdecimal() else (1, 0, word))
-
-
-def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
-    """Return the JSON Schema of a verb's values, as programs give them, or of one of many goals.
-
-    Limits that are parameters of the robot have their present numbers, and are left out while they
-    are not reported.
-    """
-    limit = snapshot.limit
-    arguments = [a._replace(low=limit(a.low), high=limit(a.high)) for a in verb.arguments]
-    return {
-        "type": "object",
-        "properties": {a.name.lstrip("-"): _schema_of(a) for a in arguments},
-        "required": [a.name for a in verb.arguments if not (a.optional or a.is_flag)],
-        "additionalProperties": False,
-    }
-
-
-def _schema_of(argument: Argument) -> dict[str, Any]:
-    element = element_of(argument.type)
-    if element is not None:
-        return {"type": "array", "items": _schema_of(Argument(argument.name, element))}
-    if argument.type in INTEGERS:
-        low, high = INTEGERS[argument.type]
-        found: dict[str, Any] = {"type": "integer", "minimum": low, "maximum": high}
-    else:
-        found = {"type": _TYPES.get(argument.type, "string")}
-    if argument.low is not None:
-        found["minimum"] = argument.low
-    if argument.high is not None:
-        found["maximum"] = argument.high
-    return {**found, "description": f"in {argument.unit}"} if argument.unit else found
 
 
 def is_settled(station: Station) -> bool:

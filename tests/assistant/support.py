@@ -19,13 +19,7 @@ from tests.support import warm
 from tests.support.waiting import DEADLINE
 
 Request = dict[str, Any]
-SCHEMA = {
-    "type": "object",
-    "properties": {"shelf_number": {"type": "integer", "minimum": 1, "maximum": 40}},
-    "required": ["shelf_number"],
-    "additionalProperties": False,
-}
-GOALS = [{"kind": "go", "title": "Go to shelf", "schema": SCHEMA}]
+GOALS = [{"kind": "go", "title": "Go to shelf", "values": {"shelf_number": {"type": "int32"}}}]
 
 
 class Said(NamedTuple):
@@ -88,8 +82,8 @@ class FakeConsole:
         hello = {"protocol": 1, "version": "0", "robot": "ARCHO", "namespace": f"/r{pid}"}
         more = {"engine": "embedded", "domain": None, "pid": pid, "watching": False}
         self.hello: dict[str, Any] = {**hello, **more}
-        self.asked: list[Request] = []  # but for `goals`: a client lists the tools when it likes
-        self.listings = self.connections = self.closed = 0
+        self.asked: list[Request] = []
+        self.connections = self.closed = 0
         self.answers: dict[str, Callable[[Request], Awaitable[Request | None]]] = {}
         self.answer("goals", "done", data=GOALS)
         self._clients: list[socket.socket] = []
@@ -145,10 +139,7 @@ class FakeConsole:
     def _note(self, request: Request) -> str:
         """Keep a request, and return its first word."""
         word: str = request["words"][0] if "words" in request else "ask"
-        if word == "goals":
-            self.listings += 1
-        else:
-            self.asked.append(request)
+        self.asked.append(request)
         return word
 
     async def _answer(self, word: str, request: Request, client: socket.socket) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.assistant.support import GOALS, SCHEMA, Request, assistant, fake_console
+from tests.assistant.support import GOALS, Request, assistant, fake_console
 from tests.support.shells import until
 
 pytestmark = pytest.mark.real_time
@@ -17,53 +17,6 @@ ASKED: dict[str, Any] = {
     "text": "request 3 waits for a person",
     "data": {"request": 3, "expires_in": 60.0},
 }
-
-
-async def test_the_form_of_a_goal_is_that_of_the_robot() -> None:
-    async with fake_console() as console, assistant("--allow", "goals") as model:
-        schema = (await model.tools())["go"].input_schema
-        assert schema["properties"]["kind"]["enum"] == ["go"]
-        assert schema["properties"]["values"]["properties"] == SCHEMA["properties"]
-        pose = {"kind": "pose", "title": "Go to pose", "schema": {"type": "object"}}
-        console.answer("goals", "done", data=[*GOALS, pose])
-        values = (await model.tools())["go"].input_schema["properties"]["values"]
-        titles = [form["title"] for form in values["anyOf"]]
-        assert titles == ["go: Go to shelf", "pose: Go to pose"]
-
-
-NO_FORMS: list[Any] = [
-    None,
-    "go",
-    [7, {"kind": 7}, {"title": "no kind"}],
-    [{"kind": "\x1b[31m", "title": "red", "schema": SCHEMA}],
-    [{"kind": f"k{n}", "title": "x" * 500, "schema": SCHEMA} for n in range(99)],
-]
-
-
-async def test_without_a_sensible_form_go_takes_any_object() -> None:
-    async with fake_console() as console, assistant("--allow", "goals") as model:
-        for data in NO_FORMS:
-            console.answer("goals", "done", data=data)
-            properties = (await model.tools())["go"].input_schema["properties"]
-            assert "enum" not in properties["kind"]
-            assert properties["values"]["type"] == "object"
-            assert not {"properties", "anyOf"} & set(properties["values"])
-
-
-async def test_half_of_a_form_is_none() -> None:
-    many = {"type": "object", "properties": {f"p{n}": {"type": "number"} for n in range(200)}}
-    async with fake_console() as console, assistant("--allow", "goals") as model:
-        console.answer("goals", "done", data=[{"kind": "go", "title": "Go", "schema": many}])
-        properties = (await model.tools())["go"].input_schema["properties"]
-        assert properties["kind"]["enum"] == ["go"]
-        assert "properties" not in properties["values"]
-
-
-async def test_the_list_of_tools_waits_for_no_silent_console() -> None:
-    async with fake_console() as console, assistant("--allow", "goals") as model:
-        del console.answers["goals"]
-        assert "go" in await model.tools()
-        assert console.listings
 
 
 async def test_go_answers_at_once_with_a_number_and_no_word_of_success() -> None:

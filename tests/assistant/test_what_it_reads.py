@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.client.mcp.sanitize import MAX_ITEMS, sanitize
+from archo_tui.client.mcp.server import MAX_ITEMS, sanitize
 from tests.assistant.support import assistant, fake_console
 
 pytestmark = pytest.mark.real_time

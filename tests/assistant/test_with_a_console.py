@@ -136,15 +136,3 @@ async def test_whatever_a_model_calls_nothing_moves_without_a_yes(
     assert (status["goal"], status["motion"]["moving"]) == (None, False)
     said = [word for word in ("allowed request", "MOVING", "accepted") if word in terminals[0].text]
     assert not said
-
-
-async def test_its_goal_is_cancelled_when_its_process_ends(terminals: list[Terminal]) -> None:
-    terminals.append(Terminal("--plain", "--ros-args", "-p", "route_length:=1000.0"))
-    async with beside(terminals[0]) as model:
-        await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
-        await model.call("go", kind="go", values={"shelf_number": 12})
-        await until(lambda: "wants: go to shelf 12 (allow 1" in terminals[0].text)
-        await read()
-        terminals[0].write("allow 1\r")
-        await until(lambda: "MOVING to 12" in terminals[0].text)
-    terminals[0].until("CANCELLED")

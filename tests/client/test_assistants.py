@@ -501,9 +501,11 @@ MISUSED = [
     (None, "kind: the goals of this robot are go"),
     ({"kind": "fly"}, "kind: the goals of this robot are go"),
     ({"kind": "go"}, "values: expected an object, by name"),
-    ({"kind": "go", "values": {}}, "values: shelf_number is missing"),
-    ({"kind": "go", "values": {"shelf": 1}}, "values: no 'shelf'; there are shelf_number"),
-    ({"kind": "go", "values": {"shelf_number": [1]}}, "is not a number"),
+    ({"kind": "go", "values": {}}, "Shelf: type a value"),
+    ({"kind": "go", "values": {"place": 1}}, "expected shelf=..., not place=1"),
+    ({"kind": "go", "values": {"shelf_number": 1, "Shelf": 2}}, "not Shelf=2"),
+    ({"kind": "go", "values": {"shelf_number": [1]}}, "not a whole number: [1]"),
+    ({"kind": "go", "values": {"shelf_number": None}}, "not a whole number"),
     ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
     ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
     ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
@@ -518,6 +520,9 @@ async def test_what_cannot_be_meant_is_said_and_nobody_is_asked() -> None:
             said = await asks(assistant, wanted)
             assert (said["code"], why in said["text"]) == ("misuse", True), said
             assert station(person).approvals.waiting == ()
+        (goal,) = (await says(assistant, "goals"))["data"]
+        about = {"type": "int32", "label": "Shelf", "low": 1, "high": 40}
+        assert (goal["kind"], goal["values"]) == ("go", {"shelf_number": about})
 
 
 async def test_a_request_waits_for_limits_that_were_not_reported_yet(

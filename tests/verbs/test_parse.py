@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot.messages.types import INTEGERS, TypedField
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go
-from archo_tui.verbs.verb import named, parse, prepare_when_found, schema
+from archo_tui.verbs.verb import named, parse, prepare_when_found
 from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.states import NORMAL, board
 from tests.support.stub import StandingClock, StubRobot, stub_station
@@ -137,21 +137,6 @@ def test_a_value_that_does_not_fit_its_field_is_said(word: str, said: str) -> No
     assert str(raised.value).startswith(said)
 
 
-def test_the_schema_of_one_number_has_its_range_and_no_other_values() -> None:
-    assert schema(VERBS["go"], NORMAL) == {
-        "type": "object",
-        "properties": {"Shelf": {"type": "integer", "minimum": 1, "maximum": INTEGERS["int32"][1]}},
-        "required": ["Shelf"],
-        "additionalProperties": False,
-    }
-
-
-def test_the_schema_has_the_limit_that_the_robot_holds_now() -> None:
-    for shelves in (40, 41):
-        shelf = schema(VERBS["go"], board(shelves))["properties"]["Shelf"]
-        assert (shelf["minimum"], shelf["maximum"]) == (1, shelves)
-
-
 @pytest.mark.parametrize("verb", ["go", "send_goal"])
 async def test_a_shelf_beyond_what_the_robot_holds_now_is_misuse(verb: str) -> None:
     snapshot = board(40)._replace(actions={"/move_to_shelf": (SHELF.type,)})
@@ -216,19 +201,3 @@ class VirtualSleep(StandingClock):
         self.passed += seconds
         if self.passed >= self._due[0]:
             self._due[1]()
-
-
-def test_the_schema_of_texts_and_flags_says_which_are_needed() -> None:
-    assert schema(VERBS["set"], NORMAL)["required"] == ["name", "value"]
-    assert schema(VERBS["shelve"], NORMAL)["required"] == ["alarm"]
-    assert schema(VERBS["cancel"], NORMAL)["properties"] == {"all": {"type": "boolean"}}
-    assert schema(VERBS["cancel"], NORMAL)["required"] == []
-
-
-def test_the_schema_of_a_goal_has_arrays_ranges_and_units() -> None:
-    assert schema(POSE, NORMAL)["properties"] == {
-        "x": {"type": "number", "minimum": -5, "maximum": 5, "description": "in m"},
-        "speeds": {"type": "array", "items": {"type": "integer", "minimum": 0, "maximum": 255}},
-        "careful": {"type": "boolean"},
-        "note": {"type": "string"},
-    }

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
+from itertools import islice
 from typing import Annotated, Any, Literal, get_args
 
 from mcp.server import MCPServer
@@ -22,7 +24,7 @@ from pydantic import Field, StrictInt, ValidationError
 from archo_tui import __version__
 from archo_tui.client.connection import Unreached
 from archo_tui.client.mcp.connection import ANSWER_TIMEOUT, ConsoleConnection
-from archo_tui.client.mcp.sanitize import sanitize
+from archo_tui.robot.messages.values import fits_an_integer
 from archo_tui.robot.stop.words import is_stop_text
 from archo_tui.robot_file.model import NO_STOP
 from archo_tui.safe_text import harmless
@@ -54,10 +56,10 @@ _ENDS = {
 }
 _MAX_EVENTS, _SEARCHED_EVENTS = 50, 500  # In one answer; requested if only some are wanted.
 _SLICE, _MIN_SLICE = 1.0, 0.1  # Seconds of one request to wait, so that other calls get a turn.
-_LIST_TIMEOUT = 2.0  # Seconds in which clients want a list of tools.
-_MAX_SCHEMAS = 16 * 1024  # Characters of all goals in the list of tools.
 _MAX_OBJECT = 4096  # Bytes as JSON.
 _SHOWN = 40  # Characters of a value that an error quotes.
+MAX_ITEMS = 100  # Of a list or an object that the robot says.
+_MAX_DEPTH = 8  # Levels of nesting.
 
 _READS = ToolAnnotations(
     read_only_hint=True, destructive_hint=False, idempotent_hint=True, open_world_hint=False
@@ -120,14 +122,12 @@ class RobotServer(MCPServer):
         self._tools = tools
 
     async def list_tools(self) -> list[ListedTool]:
-        """Return the tools; the form of a goal is the robot's own, unless that is late or large."""
+        """Return the tools, whose arguments are checked."""
         listed = await super().list_tools()
         for tool in listed:
             tool.input_schema = {**tool.input_schema, "additionalProperties": False}
             if tool.name == "stop":  # Whatever is given with it.
                 tool.input_schema = {**_EMPTY, "additionalProperties": True}
-            elif tool.name == "go":
-                tool.input_schema = await self._tools.goal_schema(tool.input_schema)
         return listed
 
     async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
@@ -307,7 +307,7 @@ class Tools:
 
     async def go(
         self,
-        kind: _text("which kind of goal, as the robot offers it"),  # type: ignore[valid-type]
+        kind: _text('as "go"; a wrong one is answered with all'),  # type: ignore[valid-type]
         values: Annotated[
             dict[str, Any],
             Field(description='the values of the goal by name, as {"shelf_number": 12}'),
@@ -329,9 +329,9 @@ class Tools:
             return self._reply(code, f"{summary} Call `wait` with request {request}.", said)
         if code == "misuse":
             summary = "Nothing was asked: this kind of goal or its values cannot be meant. `goals`"
-            goals = await self._goals()
+            goals = await self._connection.request(words=["goals"])
             text = f"{summary} are those that there are."
-            return self.failure(code, text, {**said, "goals": goals})
+            return self.failure(code, text, {**said, "goals": goals.get("data")})
         if code in ("asked", "done", "accepted", "arrived"):  # No request without a number has one.
             summary = "This answer is not understood: look at `status` before anything else."
             return self.failure("not_confirmed", summary, said)
@@ -405,40 +405,6 @@ class Tools:
     async def _read(self, *words: str) -> dict[str, Any]:
         return {"verb": words[0], **await self._connection.request(words=[*words])}
 
-    async def goal_schema(self, schema: dict[str, Any]) -> dict[str, Any]:
-        """Return the schema of `go` with the robot's goals, unless that is late or too large."""
-        try:
-            goals = await asyncio.wait_for(self._goals(), _LIST_TIMEOUT)
-        except (Unreached, asyncio.TimeoutError):
-            return schema
-        if not goals or len(json.dumps(goals)) > _MAX_SCHEMAS:
-            return schema
-        forms = [{**goal["schema"], "title": f"{goal['kind']}: {goal['title']}"} for goal in goals]
-        kind, values = schema["properties"]["kind"], schema["properties"]["values"]
-        form = {"anyOf": forms} if len(forms) > 1 else forms[0]
-        kinds = [goal["kind"] for goal in goals]
-        properties = {"kind": {**kind, "enum": kinds}, "values": {**values, **form}}
-        return {**schema, "properties": properties}
-
-    async def _goals(self) -> list[dict[str, Any]]:
-        """Return `kind`, `title` and `schema` of each goal that the robot offers, fit to show."""
-        goals = _objects(await self._connection.request(words=["goals"]))
-        return [
-            {
-                "kind": goal["kind"],
-                "title": sanitize(str(goal.get("title", ""))),
-                "schema": _intact_schema(goal.get("schema")),
-            }
-            for goal in goals
-            if isinstance(goal.get("kind"), str) and goal["kind"] == sanitize(goal["kind"])
-        ]
-
-
-def _intact_schema(schema: Any) -> dict[str, Any]:
-    """Return a goal's schema, or `{"type": "object"}` if it is not fit to show."""
-    is_one = isinstance(schema, dict) and schema.get("type") == "object"
-    return schema if is_one and schema == sanitize(schema) else {"type": "object"}
-
 
 def _fault_of_object(value: dict[str, Any]) -> str:
     try:
@@ -468,3 +434,34 @@ def _age(then: Any, now: float) -> float | None:
     """Return how long ago a Unix time was, in seconds; None if it is none."""
     is_time = isinstance(then, (int, float)) and 0 <= then < 1e12
     return round(max(now - then, 0.0), 1) if is_time else None
+
+
+def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
+    """Return a copy of a value in JSON's types, harmless to print, with a note for whatever is cut.
+
+    Lists keep 100 items, texts 500 characters. Numbers that are not finite, and whole ones beyond
+    64 bits, become texts; what is nested deeper than `depth` becomes a note.
+    """
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return harmless(value)
+    if isinstance(value, (int, float)):
+        is_usual = math.isfinite(value) if isinstance(value, float) else fits_an_integer(value)
+        return value if is_usual else f"a number that is not shown: {_describe_number(value)}"
+    if depth == 0 or not isinstance(value, (list, tuple, Mapping)):
+        return "not shown: too deep"
+    left_out = len(value) - MAX_ITEMS
+    more = f"{left_out} more are left out"
+    if isinstance(value, Mapping):
+        shown = {
+            harmless(str(name)): sanitize(item, depth - 1)
+            for name, item in islice(value.items(), MAX_ITEMS)
+        }
+        return {**shown, "...": more} if left_out > 0 else shown
+    items = [sanitize(item, depth - 1) for item in value[:MAX_ITEMS]]
+    return [*items, more] if left_out > 0 else items
+
+
+def _describe_number(number: float) -> str:
+    return str(number) if isinstance(number, float) else f"{number.bit_length()} bits"
