@@ -79,8 +79,6 @@ def completion_script(shell: str) -> str:
     """Return the completion script of bash, zsh or fish, which asks `archo-tui __complete`."""
     import shtab
 
-    from archo_tui.client.shell import options_of
-
     parser = console_parser()
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
     _add_completers(parser)
@@ -90,15 +88,9 @@ def completion_script(shell: str) -> str:
         _add_completers(subparser)
     for name, verb in verbs_of_file().items():
         subparser = commands.add_parser(name, help=verb.help, description=verb.help)
-        _add_options(subparser, options_of(name, verb.options))
+        _add_options(subparser, verb.options)
         for argument in verb.arguments:
             _add_argument(subparser, argument)
-    wait = "Wait until the robot is in that state"
-    subparser = commands.add_parser("wait", help=wait, description=wait)
-    _add_options(subparser, options_of("wait"))
-    subparser.add_argument(
-        "state", choices=("idle", "arrived", "ready", "stopped", "left", "battery")
-    )
     script = str(shtab.complete(parser, shell=shell, preamble=_PREAMBLE[shell]))
     return _with_repeated_words(script) if shell == "zsh" else script
 

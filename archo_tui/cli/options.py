@@ -42,7 +42,7 @@ def console_parser() -> OneLineErrorParser:
     parser.set_defaults(program_arguments=())  # `--node FILE -- ARG ...`
     parser.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
-        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own. A verb is sent to the console "
+        f"{', '.join(VERBS)}; a robot file adds its own. A verb is sent to the console "
         "that is running.",
     )
     _node_options(parser.add_argument_group("your own nodes"))

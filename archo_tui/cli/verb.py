@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
 from archo_tui.cli.options import ENGINES, SUBCOMMANDS, OneLineErrorParser
-from archo_tui.client.shell import complain, help_with_options, run
+from archo_tui.client.shell import complain, run
 from archo_tui.nearest import nearest
 
 TYPE_CHECKING = False
@@ -101,5 +101,4 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
 
 def helps(path: Path | None = None) -> dict[str, str]:
     """Return the help of each verb of a robot file, by what is typed. Raises ArchoError."""
-    known = verbs_of_file(path).values()
-    return {verb.id: help_with_options(verb.id, verb.help_line, verb.options) for verb in known}
+    return {verb.id: verb.help_text for verb in verbs_of_file(path).values()}

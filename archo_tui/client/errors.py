@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from archo_tui.client import connection
-from archo_tui.client.protocol import GOOD, is_valid_timeout
+from archo_tui.client.protocol import GOOD, timeout_of
 from archo_tui.errors import ArchoError
 
 
@@ -90,6 +90,7 @@ def convert_unreached() -> Iterator[None]:
 
 def checked_timeout(timeout: float | None) -> float | None:
     """Return `timeout` if it is None or from 0 to 1e9 seconds; raise Misused otherwise."""
-    if timeout is not None and not is_valid_timeout(timeout):
-        raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")
-    return timeout
+    try:
+        return timeout_of({"timeout": timeout})
+    except ValueError as error:
+        raise Misused("misuse", str(error)) from None

@@ -40,6 +40,14 @@ def is_valid_timeout(timeout: object) -> bool:
     return is_number and 0 <= timeout <= LONGEST_WAIT  # type: ignore[operator]
 
 
+def timeout_of(request: Mapping[str, Any]) -> float | None:
+    """Return the timeout of a request in seconds; None without one; ValueError if it is no time."""
+    timeout: float | None = request.get("timeout")
+    if timeout is not None and not is_valid_timeout(timeout):
+        raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
+    return timeout
+
+
 def encode(message: dict[str, Any]) -> bytes:
     """Return a message as a line of JSON in UTF-8; a lone surrogate becomes `?`."""
     return json.dumps(message, ensure_ascii=False).encode("utf-8", "replace") + b"\n"

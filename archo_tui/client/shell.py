@@ -37,31 +37,6 @@ if TYPE_CHECKING:
 
     from archo_tui.client.connection import Connection
 
-# Verbs whose line of help this program has itself: STOP takes no words, and `wait` is no verb of
-# the console's own operator.
-_LINES = {
-    "stop": "stop: STOP: software stop, holds until released; does not replace the hardware stop",
-    "wait": "wait idle|arrived|ready|stopped|left N|battery N: "
-    "Wait until the robot is in that state",
-}
-_JSON = "--json", "print one JSON object per line; the last one is the result"
-_TO = "--to CONSOLE", "process number or namespace of the console, where several run"
-_TIMEOUT = "--timeout S", "give up after S seconds with exit code 4; what was sent is cancelled"
-_WAIT_TIMEOUT = "--timeout S", "give up after S seconds with exit code 4"
-_OPTIONS_OF_VERB = {
-    "status": (("--line", "print one line, for a prompt"),),
-    "events": (("--follow", "also print new events as they come"),),
-    "pub": (
-        ("--rate HZ", "publish again and again, so many times a second"),
-        ("--times N", "publish N times, once a second without --rate"),
-    ),
-    "echo": (("--once", "print one message; without it each, until ctrl+c"),),
-}
-_GOAL_OPTIONS = (
-    ("--wait", "wait until all goals have ended"),
-    ("--leave", "with --wait: let goals run on when this is interrupted or times out"),
-)
-_QUESTION_OPTIONS = (("--yes", "answer yes to the question"),)
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
@@ -142,15 +117,9 @@ def run(
     console runs, it only watches, or none confirms a STOP, unless a console was named. Errors are
     printed. `helps` returns the help of each verb that there is without a console.
     """
-    # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
-    if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
-        known = client_verb_help(words[0])
-        if known:
-            if "--json" in words:
-                _print_json({"code": "done", "text": known})
-            else:
-                _print(known)
-            return 0
+    if [*words] == ["stop", "--help"]:  # Whatever else follows it, it stops.
+        _print(helps().get("stop", ""))
+        return 0
     wants_help = "--help" in words[1:]
     try:
         command_line = _CommandLine(words)
@@ -197,12 +166,12 @@ def _print_without_console(
     command.
     """
     word, wants_help = words[0], "--help" in words[1:]
-    if wants_help or word not in (*VERBS, "wait"):
+    if wants_help or word not in VERBS:
         known = helps()
         if wants_help and word in known:
             _print(known[word])
             return 0
-        near = "" if word in known else _nearest(word, (*known, "wait", *others))
+        near = "" if word in known else _nearest(word, (*known, *others))
         if near:
             return _fail("misuse", f"no command {word!r} (nearest: {near}), and {why}", words)
     return _fail(NOT_REACHED, why, words)
@@ -368,8 +337,6 @@ def _print_result(
         _print_json(result)
     elif code:
         complain(_failure_text(result, command_line.rest, others))
-    elif "--help" in command_line.rest[1:] and not command_line.is_stop:
-        _print(help_with_options(command_line.rest[0], result["text"], tuple(data or ())))
     elif "--line" in command_line.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):
@@ -388,7 +355,8 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
         return _with_nearest(text, verb, others)
     option = next((word for word in words[1:] if word.startswith("--")), "")
     if result["code"] == "misuse" and option:
-        near = "" if option in every_option() else _nearest(option, every_option())
+        known = (*VERB_FLAGS, *VERB_VALUES, "--yes")
+        near = "" if option in known else _nearest(option, known)
         text += f" (nearest to {option}: {near})" if near else ""
     return f"{verb}: {text}"
 
@@ -440,31 +408,3 @@ def complain(text: str, prefix: str = "archo-tui: ") -> None:
     with contextlib.suppress(OSError):  # Nobody reads it; the result is the same.
         if sys.stderr is not None:
             print(f"{prefix}{safe_lines(text)}", file=sys.stderr)
-
-
-def client_verb_help(verb: str) -> str:
-    """Return the help of `stop` or `wait`, whose text is here; "" for any other verb."""
-    return help_with_options(verb, _LINES[verb]) if verb in _LINES else ""
-
-
-def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
-    """Return the help of a verb: its line, and below it its options with what each does."""
-    options = "\n".join(f"  {name:<14}{what}" for name, what in options_of(verb, takes))
-    return f"{line}\n\noptions:\n{options}"
-
-
-def every_option() -> list[str]:
-    """Return the names of the options of all verbs, such as `--json`."""
-    options = (option for options in _OPTIONS_OF_VERB.values() for option in options)
-    all_of_them = (_JSON, _TO, _TIMEOUT, *_QUESTION_OPTIONS, *_GOAL_OPTIONS, *options)
-    return [name.partition(" ")[0] for name, _ in all_of_them]
-
-
-def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str], ...]:
-    """Return what is typed, `--timeout S`, and what it does, of each option of a verb."""
-    if verb == "stop":
-        return _JSON, _TO
-    possible = (*_QUESTION_OPTIONS, *_GOAL_OPTIONS, *_OPTIONS_OF_VERB.get(verb, ()))
-    flags = {*takes, *(name for name, _ in _OPTIONS_OF_VERB.get(verb, ()))}
-    found = (option for option in possible if option[0] in flags)
-    return *found, _WAIT_TIMEOUT if verb == "wait" else _TIMEOUT, _JSON, _TO

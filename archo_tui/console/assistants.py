@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from archo_tui.client.protocol import words_of
-from archo_tui.console.waits import timeout_of, wait_until
+from archo_tui.client.protocol import timeout_of, words_of
 from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import typed_text
@@ -19,6 +18,7 @@ from archo_tui.station.station import Station
 from archo_tui.verbs import as_json
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready
+from archo_tui.verbs.waits import wait_until
 
 _LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.

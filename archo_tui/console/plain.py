@@ -243,7 +243,7 @@ class Plain:
         request: dict[str, Any] = {"words": words}
         follows = words[0] == "echo" and FOLLOW in words
         verb = self._verbs.get(words[0])
-        is_slow = words[0] == "wait" or (verb is not None and verb.is_slow)
+        is_slow = verb is not None and verb.is_slow
         if follows:
             words = [word for word in words if word != FOLLOW]
             request = {"words": words, "follow": True, "as_text": True}

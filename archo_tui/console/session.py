@@ -11,18 +11,10 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, NoReturn, Protocol
 
-from archo_tui.client.protocol import GONE, RESTARTS, is_stop, words_of
+from archo_tui.client.protocol import GONE, RESTARTS, is_stop, timeout_of, words_of
 from archo_tui.console.assistants import Assistants
-from archo_tui.console.waits import (
-    POLL_PERIOD,
-    condition,
-    follow_events,
-    follow_goal,
-    timeout_of,
-    wait_until,
-)
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.clients.requester import ASSISTANT, YOU, Requester, on_behalf_of
@@ -33,9 +25,10 @@ from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json, verbs
 from archo_tui.verbs.goals import SendGoal
-from archo_tui.verbs.services import TIMEOUT, Call, choose_verb
+from archo_tui.verbs.services import Call, choose_verb
 from archo_tui.verbs.topics import Echo
 from archo_tui.verbs.verb import (
+    TIMEOUT,
     YES,
     Question,
     Verb,
@@ -45,6 +38,7 @@ from archo_tui.verbs.verb import (
     prepare_when_found,
     run_when_ready,
 )
+from archo_tui.verbs.waits import POLL_PERIOD, SENT, Wait, outcome_if_over
 
 _MAX_STOPS = 1000  # STOPs that are answered: of a flood the last ones.
 _REQUEST_INTERVAL = 0.02  # Seconds between two requests of one client.
@@ -52,6 +46,7 @@ _ANSWER_TIMEOUT = 60.0  # Seconds for a person at a shell to answer a question.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of work that was called off.
 _BEAT_PERIOD = 0.2  # Seconds between two beats, which a client answers while what it began lasts.
 _MAX_MISSED_BEATS = 5
+_FOLLOW_PERIOD = 0.2  # Seconds between two polls: five a second, as on the screen.
 _SUSPENDED = "ended: this program gave no sign for 1 s"
 
 
@@ -229,7 +224,7 @@ class Session:
         self.requester.waits = self._is_assistant or (self._is_waiting and not self._keeps_goals)
         word = words[0] if isinstance(words, list) and words else None
         verb = self._handler.verbs.get(word) if isinstance(word, str) else None
-        waits = word in ("wait", "echo") or (verb is not None and verb.is_slow)
+        waits = verb is not None and verb.is_slow
         self._calls_service, self._sends_goals = False, verb is not None and verb.has_goals
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
@@ -312,7 +307,7 @@ class Session:
     async def _carry_out_in_time(self, request: dict[str, Any]) -> Outcome:
         """Carry out a request within its `timeout`."""
         words, timeout = request.get("words"), timeout_of(request)
-        waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
+        waits = isinstance(words, list) and words[:1] == [Wait.id]  # Keeps the timeout itself.
         if timeout is None or waits or self._is_assistant:
             return await self._carry_out(request)
         work, clock = asyncio.ensure_future(self._carry_out(request)), self._station.clock
@@ -367,23 +362,18 @@ class Session:
         word, *rest = words_of(request)
         if request.get("follow"):
             await self._follow(number, word, rest, as_text=request.get("as_text") is True)
-        if word == "wait":
-            if request.get("wait"):
-                raise ValueError("wait has no --wait")
-            sent = self._sent if rest == ["arrived"] else []
-            check = partial(_outcome_if_over, sent) if sent else condition(station, verbs, rest)
-            return await wait_until(station, check, timeout_of(request))
         if "--help" in rest:
             verb = named(verbs, word)
             self._tells = {"tells": True}
-            return Report.of(verb.help_line, verb.options)
+            text = verb.help_line if self.requester is YOU else verb.help_text
+            return Outcome(Code.DONE, text)
         verb, rest = choose_verb(verbs, station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, rest)
         self._calls_service = isinstance(verb, Call)
-        if self._calls_service:
-            values = {**values, TIMEOUT: timeout_of(request)}
+        if isinstance(verb, (Call, Wait)):
+            values = {**values, TIMEOUT: timeout_of(request), SENT: self._sent}
         by_reply = partial(self._ask, number, request.get("person") is True)
         ask = None if yes else self._client.ask or by_reply
         requester = self.requester
@@ -445,7 +435,7 @@ class Session:
             )
         if (word, *words) != ("events",):
             raise ValueError("only events can be followed, without further words")
-        await follow_events(station, partial(self._reply, number))
+        await _follow_events(station, partial(self._reply, number))
 
     def _reply(self, number: Any, reply: dict[str, Any]) -> None:
         self._client.reply({"id": number, **reply})
@@ -457,10 +447,10 @@ class Session:
         """
         requester, following = self.requester, None
         if feedback:
-            work = follow_goal(self._station, requester, partial(self._reply, number))
+            work = _follow_goal(self._station, requester, partial(self._reply, number))
             following = asyncio.ensure_future(work)
         try:
-            while (outcome := _outcome_if_over(requester.ends)) is None:
+            while (outcome := outcome_if_over(requester.ends)) is None:
                 waited = [end for end in requester.ends if not end.done()]
                 await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
             return outcome
@@ -503,18 +493,40 @@ def _retrieve_exception(work: asyncio.Future[Any]) -> None:
         work.exception()
 
 
-def _outcome_if_over(ends: list[asyncio.Future[Outcome]]) -> Outcome | None:
-    """Return the outcome of the first goal that did not arrive, else of the last one.
-
-    None while one of them still runs.
-    """
-    if not all(end.done() for end in ends):
-        return None
-    outcomes = [end.result() for end in ends]
-    return next((each for each in outcomes if each.code != Code.ARRIVED), outcomes[-1])
-
-
 def _result(number: Any, outcome: Outcome, **more: bool) -> dict[str, Any]:
     result = {"id": number, "code": outcome.code.value, "text": outcome.text, **more}
     data = data_of(outcome)
     return result if data is None else {**result, "data": data}
+
+
+async def _follow_events(station: Station, send: Callable[[dict[str, Any]], None]) -> NoReturn:
+    """Send each event from now on, and the state when its line changes, until cancelled.
+
+    An event that repeats is sent again.
+    """
+    seen = {event.number: event.count for event in station.robot.snapshot.events}
+    line = ""
+    while True:
+        events = station.robot.snapshot.events
+        for new in events:
+            if seen.get(new.number) != new.count:
+                send({"event": as_json.event(new)})
+        seen = {event.number: event.count for event in events}
+        current = as_json.state(station)
+        if current["line"] != line:
+            line = current["line"]
+            send({"state": current})
+        await station.clock.sleep(_FOLLOW_PERIOD)
+
+
+async def _follow_goal(
+    station: Station, requester: Requester, send: Callable[[dict[str, Any]], None]
+) -> NoReturn:
+    """Send the state of a goal of `requester` when it changes, but not its end, until cancelled."""
+    last = None
+    while True:
+        current = station.goals.goal_of(requester)
+        if current is not None and current != last:
+            last = current
+            send({"goal": as_json.goal(current, station.clock.monotonic())})
+        await station.clock.sleep(_FOLLOW_PERIOD)

@@ -12,7 +12,7 @@ VERBS = (
     *("go_list", "stop", "release", "give_up_stop", "call", "status", "events", "history"),
     *("diagnostics", "forget", "keep", "alarms", "ack", "shelve", "get", "set", "undo"),
     *("params", "save", "load", "nodes", "start", "halt", "copy", "log_level", "lifecycle"),
-    *("topics", "echo", "hz", "tf", "interface", "pub"),
+    *("topics", "echo", "hz", "tf", "interface", "pub", "wait"),
 )
 _OTHERS = (
     *("all_parameters", "allow", "cancel_all", "chapter", "check", "completions", "consoles"),
@@ -22,7 +22,7 @@ _OTHERS = (
     *("panel_6", "panel_7", "panel_8", "panel_9", "quiet_alarms", "quit", "quit_everywhere"),
     *("recordings", "replay", "resource", "restart", "restore", "rewind", "robot"),
     *("save_events", "search", "shorter", "start_stop", "suspend", "switch", "time_line"),
-    *("wait", "whole_event"),
+    *("whole_event"),
 )
 # end
 # The options that a shell user may put before or after a verb: without and with a value.

@@ -14,11 +14,12 @@ from archo_tui.verbs import (
     show,
     stop,
     topics,
+    waits,
 )
 from archo_tui.verbs.verb import Forms, Verb
 
 # In the order in which help lists them.
-_FILES = goals, places, stop, services, show, alarms, parameters, nodes, topics, publish
+_FILES = goals, places, stop, services, show, alarms, parameters, nodes, topics, publish, waits
 # Every class of a verb in them; the bases of several begin with an underscore.
 _KINDS = [
     kind

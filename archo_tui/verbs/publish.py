@@ -31,7 +31,11 @@ class Publish(Verb):
         Argument(RATE, takes="HZ"),
         Argument(TIMES, takes="N"),
     )
-    acts = moves = may_ask = lasts = True
+    acts = moves = may_ask = lasts = is_slow = True
+    own_options = (
+        ("--rate HZ", "publish again and again, so many times a second"),
+        ("--times N", "publish N times, once a second without --rate"),
+    )
 
     def values(self, words: Sequence[str]) -> Values:
         """Return `topic`, `field=value`, and `rate` and `times` as `frequency` does."""

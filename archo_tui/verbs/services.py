@@ -16,11 +16,10 @@ from archo_tui.text.goal import activity
 from archo_tui.verbs.goals import Go, kind_of
 from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
 from archo_tui.verbs.stop import ReleaseStop, StopNow
-from archo_tui.verbs.verb import YES, Argument, Forms, Question, Values, Verb, named
+from archo_tui.verbs.verb import TIMEOUT, YES, Argument, Forms, Question, Values, Verb, named
 
 _ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 _CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"
-TIMEOUT = "--timeout"  # The key of `call`'s longest wait in s, if more than the default.
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
 
 

@@ -40,6 +40,7 @@ _EVENTS = 20
 class Status(Verb):
     id, title, tells, lists = "status", "Status", True, True
     help = "Show the state of the robot"
+    own_options = (("--line", "print one line, for a prompt"),)
 
     @classmethod
     def of_robot(cls, robot: RobotFile, forms: Forms) -> Iterator[Verb]:
@@ -80,6 +81,7 @@ class Events(Verb):
     id, title, tells = "events", "Events", True
     help = f"Show the last {_EVENTS} events, or the last N"
     arguments = (Argument("n", optional=True),)
+    own_options = (("--follow", "also print new events as they come"),)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         given = values.get("n", str(_EVENTS))
@@ -235,7 +237,7 @@ class Keep(Verb):
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # A STOP is what it may record.
     help = f"Keep the last minute: record the last {SPAN:g} s and the next {SECONDS_AFTER:g} s"
-    started_text = BEGUN
+    started_text, is_slow = BEGUN, True
 
     async def run(self, station: Station, values: Values) -> Outcome:
         written: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()

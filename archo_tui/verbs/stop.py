@@ -17,6 +17,7 @@ class StopNow(Verb):
     id, title = "stop", "STOP"
     help = "STOP: software stop, holds until released; does not replace the hardware stop"
     acts = urgent = True
+    timeout_help = ""
 
     @classmethod
     def of_robot(cls, robot: RobotFile, _forms: Forms) -> Iterator[Verb]:

@@ -112,6 +112,8 @@ class Echo(_TopicVerb):
         Argument("field", many=True, optional=True),
         Argument(FOLLOW),
     )
+    is_slow = True
+    own_options = (("--once", "print one message; without it each, until ctrl+c"),)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         async with self.inspect(station, values) as inspection:
@@ -168,7 +170,7 @@ class Hz(_TopicVerb):
     id, title = "hz", "Rate"
     help = f"Listen to a topic for {LISTEN:g} s: rate, shortest and longest interval, bytes/s"
     arguments = (Argument("topic", completer=topic_names),)
-    started_text = f"listening for {LISTEN:g} s"
+    started_text, is_slow = f"listening for {LISTEN:g} s", True
 
     async def run(self, station: Station, values: Values) -> Outcome:
         async with self.inspect(station, values) as inspection:
@@ -223,7 +225,7 @@ class ShowTransforms(Verb):
 
     id, title, tells = "tf", "Transforms", True
     help = f"Listen to the transforms for {LISTEN_TO_FRAMES:g} s: parents, age, rate, what is wrong"
-    started_text = f"listening for {LISTEN_TO_FRAMES:g} s"
+    started_text, is_slow = f"listening for {LISTEN_TO_FRAMES:g} s", True
 
     async def run(self, station: Station, values: Values) -> Outcome:
         async with station.robot.listen_to_frames() as transforms:

@@ -26,6 +26,15 @@ Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
 # The fields of each goal by its id, without goals whose type is not installed.
 Forms = Mapping[str, Sequence[TypedField]]
 YES = "--yes"  # Answers a verb's question.
+TIMEOUT = "--timeout"  # The key of the longest wait in s, for verbs that keep it themselves.
+_GOAL_OPTIONS = (
+    ("--wait", "wait until all goals have ended"),
+    ("--leave", "with --wait: let goals run on when this is interrupted or times out"),
+)
+_OPTIONS = (
+    ("--json", "print one JSON object per line; the last one is the result"),
+    ("--to CONSOLE", "process number or namespace of the console, where several run"),
+)
 DISCOVERY_TIME = 2.0  # Seconds after the start by which every server on the graph is found.
 ROBOT_TIMEOUT = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
 _ANSWER_TIMEOUT = 5.0  # Seconds to wait for answers to earlier requests, which have deadlines.
@@ -108,8 +117,11 @@ class Verb:
         tells: True if the text of its outcome is what the person asked for, in lines.
         lists: True if it shows all of something, and so waits until that is known.
         may_ask: True if `question` may return one.
-        started_text: The text that is shown at once if the outcome takes seconds; "" for others.
+        is_slow: True if its outcome takes seconds, and who waits for it can end the waiting.
+        started_text: The text that is shown at once; "" for none.
         lasts: True if it goes on while its requester waits, and ends with the waiting.
+        own_options: What else a shell may put after it, and what that does.
+        timeout_help: What `--timeout S` does for a shell; "" if it is ignored.
         has_goals: True if it sends goals, whose ends can be waited for.
         service: The service or action that a node must offer, as the robot file names it; "" for
             none.
@@ -126,8 +138,11 @@ class Verb:
     tells = False
     lists = False
     may_ask = False
+    is_slow = False
     started_text = ""
     lasts = False
+    own_options: tuple[tuple[str, str], ...] = ()
+    timeout_help = "give up after S seconds with exit code 4; what was sent is cancelled"
     has_goals = False
     service = ""
 
@@ -175,25 +190,28 @@ class Verb:
         return given
 
     @property
-    def is_slow(self) -> bool:
-        """True if its outcome takes seconds, and who waits for it can end the waiting."""
-        return bool(self.started_text) or self.lasts
-
-    @property
     def usage(self) -> str:
         """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`; "" for none."""
         return " ".join(map(_usage, self.arguments))
 
     @property
-    def options(self) -> tuple[str, ...]:
-        """The options that a shell may put after the verb: `--wait`, `--leave`, `--yes`."""
-        goals = ("--wait", "--leave") if self.has_goals else ()
-        return (*goals, "--yes") if self.may_ask else goals
+    def options(self) -> tuple[tuple[str, str], ...]:
+        """The options that a shell may put after the verb, `--timeout S`, and what each does."""
+        asks = (("--yes", "answer yes to the question"),) if self.may_ask else ()
+        goals = _GOAL_OPTIONS if self.has_goals else ()
+        timeout = (("--timeout S", self.timeout_help),) if self.timeout_help else ()
+        return (*asks, *goals, *self.own_options, *timeout, *_OPTIONS)
 
     @property
     def help_line(self) -> str:
         """The line of help: `get NODE NAME: Show a parameter`."""
         return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
+
+    @property
+    def help_text(self) -> str:
+        """The help for a shell: the line, and below it each option with what it does."""
+        options = "\n".join(f"  {name:<14}{does}" for name, does in self.options)
+        return f"{self.help_line}\n\noptions:\n{options}"
 
     def acts_with(self, values: Values) -> bool:
         """Return True if the verb changes something with these values; by default, `acts`."""

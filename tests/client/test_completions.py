@@ -108,7 +108,6 @@ def test_zsh_completes_every_shelf_of_a_line() -> None:
         (("launch", "comp"), ["completions"]),
         (("check", "--interfaces", ""), ["bin"]),
         (("load", "comp"), ["completions"]),
-        (("wait", "i"), ["idle"]),
     ],
 )
 def test_bash_completes_what_is_known_without_a_console(

@@ -31,7 +31,7 @@ ENDS = [  # what is typed, the exit code, and what is said on standard error
     ("events --once", 2, "events has no --once: echo has it"),
     ("go 3 --leave", 2, "--leave goes with --wait"),
     ("reset --wait", 2, "reset has no --wait: it sends no goals"),
-    ("wait idle --wait", 2, "wait has no --wait"),
+    ("wait idle --wait", 2, "wait has no --wait: it sends no goals"),
     ("events 3 --follow", 2, "only events can be followed, without further words"),
     ("chek x.py", 2, "no command 'chek' (nearest: check)\n"),
 ]
@@ -114,7 +114,7 @@ async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
         for words in (["wait", "--help"], ["wait", "idle", "--help"]):
             told, as_json = await typed(*words), await typed(*words, "--json")
             assert (told.code, as_json.code) == (0, 0)
-            assert told.out.startswith("wait idle|arrived|ready|stopped|left N|battery N: ")
+            assert told.out.startswith("wait STATE [N]: Wait for a state of the robot: idle, ")
             assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
 
 

@@ -236,7 +236,7 @@ REFUSALS = [  # what is typed, the code of its outcome, and why
     ),
     ("continue", "refused", "continue: no queue is held"),
     ("go 3 --nosuch", "misuse", "go: Shelf: not a whole number: --nosuch"),
-    ("wait", "misuse", "wait: wait needs idle, arrived, ready, stopped, left N or battery N"),
+    ("wait", "misuse", "wait: needs idle, arrived, ready, stopped, left N or battery N"),
     ("wait arrived", "refused", "wait: no goal is running"),
     ("wait battery 101", "misuse", "wait: battery: from 0 to 100 percent, not 101"),
 ]

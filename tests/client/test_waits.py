@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.console.waits import condition, wait_until
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.verbs import verbs
+from archo_tui.verbs.verb import TIMEOUT
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
@@ -24,8 +24,8 @@ async def waited(snapshot: Snapshot, words: str) -> Outcome | None:
     clock.passed = 2.1  # long enough for an alarm
     station.on_snapshot(snapshot)
     clock.passed = 0.0
-    spoken = verbs(snapshot.file, snapshot.forms)
-    outcome = await wait_until(station, condition(station, spoken, words.split()), 0)
+    wait = verbs(snapshot.file, snapshot.forms)["wait"]
+    outcome = await wait.run(station, {**wait.values(words.split()), TIMEOUT: 0})
     return None if outcome.code is Code.RAN_OUT else outcome
 
 

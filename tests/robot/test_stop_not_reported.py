@@ -15,7 +15,6 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.console.waits import condition, wait_until
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
@@ -23,6 +22,7 @@ from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
 from archo_tui.text.state import motion_word, plain_text
 from archo_tui.verbs import verbs
+from archo_tui.verbs.verb import TIMEOUT
 from tests.support.alarms import conditions
 from tests.support.clock import seconds
 from tests.support.peer import Peer
@@ -248,12 +248,12 @@ async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
 ) -> None:
     async with operated(Base, robot=file) as typed:
         station = typed._plain._station
-        spoken = verbs(station.robot.file, station.robot.snapshot.forms)
+        wait = verbs(station.robot.file, station.robot.snapshot.forms)["wait"]
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         typed.type("stop\ngo 3\n")
         await typed.until(HOLDS)
-        ready, stopped = (condition(station, spoken, [word]) for word in ("ready", "stopped"))
-        assert (await ended(wait_until(station, ready, 3.0))).code is Code.RAN_OUT
-        assert (await ended(wait_until(station, stopped, 3.0))).ok
+        ready, stopped = ({"state": state, TIMEOUT: 3.0} for state in ("ready", "stopped"))
+        assert (await ended(wait.run(station, ready))).code is Code.RAN_OUT
+        assert (await ended(wait.run(station, stopped))).ok
         typed.type("release --yes\n")
-        assert (await ended(wait_until(station, ready, 10.0))).ok
+        assert (await ended(wait.run(station, {**ready, TIMEOUT: 10.0}))).ok

@@ -48,6 +48,7 @@ def offered(*words: str, snapshot: Snapshot = KNOWN) -> list[str]:
         (("interface", "std_msgs"), ["std_msgs/msg/Float32"]),
         (("log_level", "motor_controller", "wa"), ["warn"]),
         (("lifecycle", "any", "act"), ["activate"]),
+        (("wait", "i"), ["idle"]),
         (("stop", ""), []),
         (("jump", ""), []),
     ],
