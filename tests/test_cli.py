@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import pty
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -90,14 +89,11 @@ def test_it_begins_again_as_it_was_begun(
 
 
 def test_version_and_help() -> None:
-    first, second, *usage = archo("--version").stdout.splitlines()
+    first, second = archo("--version").stdout.splitlines()
     assert first == f"archo-tui {__version__}"
     python = ".".join(map(str, sys.version_info[:3]))
     assert second.startswith(f"Python {python}, Textual 8.2.")
     assert second.endswith(", engine embedded, TERM xterm-256color")
-    taken = r"this process: [\d.]+ s of processor time, \d+ MB"
-    assert [line for line in usage if not re.fullmatch(taken, line)] == []
-    assert bool(usage) == (sys.platform == "linux")
     said = archo("--help").stdout
     for option in ("--params-file", "--use-sim", "--namespace", "--engine", "--ros-args"):
         assert option in said

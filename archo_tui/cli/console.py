@@ -249,12 +249,8 @@ def _print_version(engine: str) -> int:
     from importlib.metadata import version
 
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
-    from archo_tui.user_code.usage import of_process, usage_text
-
     print(f"archo-tui {__version__}")
     print(safe(f"Python {python}, Textual {version('textual')}, engine {engine}, TERM {term}"))
-    if (usage := of_process(os.getpid())) is not None:
-        print(usage_text(None, usage._replace(where="this process"), 0.0))
     return 0
 
 

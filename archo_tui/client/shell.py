@@ -76,8 +76,6 @@ class _CommandLine:
             if flag in self.flags and verb not in verbs:
                 has = "has" if len(verbs) == 1 else "have"
                 raise ValueError(f"{verb} has no {flag}: {' and '.join(verbs)} {has} it")
-        if "--leave" in self.flags and "--wait" not in self.flags:
-            raise ValueError("--leave goes with --wait")
 
     @property
     def is_endless(self) -> bool:
@@ -261,8 +259,7 @@ def _send(
     """Send a verb, print the replies and the result, and return the exit code.
 
     A verb that acts goes to the robot itself where the console only watches. From now on the first
-    SIGINT or SIGTERM calls the request off (with `--leave` it ends the wait), a second one ends the
-    program.
+    SIGINT or SIGTERM calls the request off, a second one ends the program.
     """
     words = ["stop"] if command_line.is_stop else command_line.rest
     request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
@@ -275,7 +272,7 @@ def _send(
             "timeout": timeout,
         }
     if "--wait" in command_line.flags:
-        request |= {"wait": True, "leave": "--leave" in command_line.flags}
+        request["wait"] = True
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, _interrupt)
@@ -291,7 +288,7 @@ def _send(
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)
-        return INTERRUPTED if request.get("leave") else _give_up(console, command_line)
+        return _give_up(console, command_line)
 
 
 def _request_result(

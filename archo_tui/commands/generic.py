@@ -23,6 +23,7 @@ from archo_tui.verbs.goals import GOALS, KIND, Go, any_kind, kind_of
 from archo_tui.verbs.names import topics_of, type_of
 from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
+from archo_tui.verbs.stop import StopNow
 from archo_tui.verbs.topics import LISTENING, robot_file_text
 from archo_tui.verbs.verb import Question, Verb
 
@@ -202,7 +203,7 @@ class AnyService(_GenericCommand):
     @staticmethod
     def _run_verb(desk: Desk, verb: Verb) -> Work | None:
         """Run a verb of the robot file, after its question, or notify why not; STOP as its key."""
-        if verb.urgent:
+        if isinstance(verb, StopNow):
             desk.action_command(verb.id)
             return None
         refusal = verb.refusal(desk.station)

@@ -118,8 +118,7 @@ class RequestHandler:
     def on_client_left(self, client: Client) -> None:
         """Call off the work that a client waits for.
 
-        Goals that it did not wait for, or asked to leave running, run on; those of an assistant do
-        not.
+        Goals that it did not wait for run on; those of an assistant do not.
         """
         self.station.post(partial(self._end_session, client))
 
@@ -220,8 +219,7 @@ class Session:
                 self._handler.publish_clients()
         # Set before the goals are sent: the client may have left by the time they are.
         self._is_waiting = request.get("wait") is True
-        self._keeps_goals = request.get("leave") is True
-        self.requester.waits = self._is_assistant or (self._is_waiting and not self._keeps_goals)
+        self.requester.waits = self._is_assistant or self._is_waiting
         word = words[0] if isinstance(words, list) and words else None
         verb = self._handler.verbs.get(word) if isinstance(word, str) else None
         waits = verb is not None and verb.is_slow
@@ -252,14 +250,13 @@ class Session:
     async def call_off(self) -> None:
         """Call off what the client waits for: deny its open question, and end the wait.
 
-        Goals end if the client waits for them and did not ask to leave them running, or is an
-        assistant that has left.
+        Goals end if the client waits for them, or is an assistant that has left.
         """
         self.answer(False)
         ends_with_it = self._is_assistant and self.has_gone
         if self._task is not None and self._is_read_only:
             self._cancel_task()
-        elif self._is_waiting and not self._keeps_goals:
+        elif self._is_waiting:
             ends_with_it = True
         if ends_with_it:
             self.requester.has_left = True
@@ -313,23 +310,19 @@ class Session:
         work, clock = asyncio.ensure_future(self._carry_out(request)), self._station.clock
         over = f"not within {timeout:g} s"
         try:
-            if timeout == 0 and self._sends_goals and not self._keeps_goals:
+            if timeout == 0 and self._sends_goals:
                 return await self._call_off_late(work, over)  # Before its first step.
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
             if self._is_read_only:
                 over = f"{timeout:g} s are over"
-            elif self._keeps_goals:
-                work.add_done_callback(_retrieve_exception)
-                over += "; what was sent goes on"
             elif self._calls_service:  # Nothing takes back a request that a service has.
                 over += ": the robot may still do it"
             else:
                 return await self._call_off_late(work, over)
             return Outcome(Code.RAN_OUT, over)
         finally:
-            if self._is_read_only or not self._keeps_goals:
-                work.cancel()
+            work.cancel()
 
     async def _call_off_late(self, work: asyncio.Future[Outcome], over: str) -> Outcome:
         """Call off work whose time is over; its outcome is returned if it is a success after all.
@@ -485,12 +478,6 @@ def requester_of(client: Client, is_assistant: bool = False) -> Requester:
     if is_assistant:
         return Requester("AI", f"{ASSISTANT} {number}")
     return client.requester or Requester("SHELL", f"pid {number}")
-
-
-def _retrieve_exception(work: asyncio.Future[Any]) -> None:
-    """Retrieve the exception of work that nobody waits for, so that asyncio logs no warning."""
-    if not work.cancelled():
-        work.exception()
 
 
 def _result(number: Any, outcome: Outcome, **more: bool) -> dict[str, Any]:

@@ -26,7 +26,7 @@ _OTHERS = (
 )
 # end
 # The options that a shell user may put before or after a verb: without and with a value.
-VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow", "--once")
+VERB_FLAGS = ("--wait", "--json", "--line", "--follow", "--once")
 VERB_VALUES = ("--to", "--timeout")
 RESERVED = frozenset({*VERBS, *_OTHERS})
 

@@ -78,7 +78,7 @@ class Go(Verb):
     first one, or that it waits in the queue.
     """
 
-    acts = moves = has_goals = may_ask = True
+    acts = has_goals = may_ask = True
 
     def __init__(self, kind: GoalKind, fields: Sequence[TypedField] | None, verb: str = "") -> None:
         """Create the verb; `fields` is None if the type is not installed."""
@@ -249,7 +249,7 @@ class Cancel(Verb):
 class ContinueQueue(Verb):
     id, title = "continue", "Continue the queue"
     help = "Continue the held queue of goals"
-    acts = moves = may_ask = True
+    acts = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         if station.is_releasing:
@@ -301,7 +301,7 @@ class SendGoal(Verb):
         Argument("action", completer=_action_names),
         Argument("field=value", many=True, optional=True),
     )
-    acts = moves = has_goals = may_ask = True
+    acts = has_goals = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"

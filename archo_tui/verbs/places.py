@@ -147,7 +147,7 @@ class Drive(_PlaceVerb):
         Argument("name", completer=_lists),
         Argument("n", optional=True),
     )
-    acts = moves = has_goals = may_ask = True
+    acts = has_goals = may_ask = True
 
     async def prepare(self, station: Station, values: Values) -> Values:
         text = values.get("n", "1")

@@ -31,7 +31,7 @@ class Publish(Verb):
         Argument(RATE, takes="HZ"),
         Argument(TIMES, takes="N"),
     )
-    acts = moves = may_ask = lasts = is_slow = True
+    acts = may_ask = lasts = is_slow = True
     own_options = (
         ("--rate HZ", "publish again and again, so many times a second"),
         ("--times N", "publish N times, once a second without --rate"),

@@ -41,7 +41,7 @@ class Give(Verb):
         else:
             does = given.help or given.title
         self.help = f"{does}{ASKS[given.ask]}"
-        self.service, self.moves = given.service, given.moves
+        self.service = given.service
         self.request: Mapping[str, Scalar] = dict.fromkeys(given.toggle, on)
         self.may_ask = given.ask != "never"
 
@@ -77,7 +77,7 @@ class Call(Verb):
         Argument("service", completer=_service_names),
         Argument("field=value", many=True, optional=True),
     )
-    acts = moves = tells = True
+    acts = tells = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.services else "no service is on the graph"

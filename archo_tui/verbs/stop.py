@@ -16,7 +16,7 @@ class StopNow(Verb):
 
     id, title = "stop", "STOP"
     help = "STOP: software stop, holds until released; does not replace the hardware stop"
-    acts = urgent = True
+    acts = True
     timeout_help = ""
 
     @classmethod
@@ -42,7 +42,7 @@ class ReleaseStop(Verb):
 
     id, title = "release", "Release"
     help = "Release the stop (asks first); no goal resumes by itself"
-    acts = moves = may_ask = True
+    acts = may_ask = True
 
     @classmethod
     def of_robot(cls, robot: RobotFile, _forms: Forms) -> Iterator[Verb]:

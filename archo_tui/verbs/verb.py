@@ -27,10 +27,6 @@ Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
 Forms = Mapping[str, Sequence[TypedField]]
 YES = "--yes"  # Answers a verb's question.
 TIMEOUT = "--timeout"  # The key of the longest wait in s, for verbs that keep it themselves.
-_GOAL_OPTIONS = (
-    ("--wait", "wait until all goals have ended"),
-    ("--leave", "with --wait: let goals run on when this is interrupted or times out"),
-)
 _OPTIONS = (
     ("--json", "print one JSON object per line; the last one is the result"),
     ("--to CONSOLE", "process number or namespace of the console, where several run"),
@@ -111,8 +107,6 @@ class Verb:
         help: The description of what it does, in one sentence.
         arguments: The values that it takes, in the order in which they are typed.
         acts: True if it changes something: it does not run while the console only watches.
-        moves: True if it may set the robot in motion.
-        urgent: True if it runs before verbs that wait.
         survives_stop: True if it runs even if a STOP was read after it.
         tells: True if the text of its outcome is what the person asked for, in lines.
         lists: True if it shows all of something, and so waits until that is known.
@@ -132,8 +126,6 @@ class Verb:
     help: str
     arguments: tuple[Argument, ...] = ()
     acts = False
-    moves = False
-    urgent = False
     survives_stop = False
     tells = False
     lists = False
@@ -198,7 +190,7 @@ class Verb:
     def options(self) -> tuple[tuple[str, str], ...]:
         """The options that a shell may put after the verb, `--timeout S`, and what each does."""
         asks = (("--yes", "answer yes to the question"),) if self.may_ask else ()
-        goals = _GOAL_OPTIONS if self.has_goals else ()
+        goals = (("--wait", "wait until all goals have ended"),) if self.has_goals else ()
         timeout = (("--timeout S", self.timeout_help),) if self.timeout_help else ()
         return (*asks, *goals, *self.own_options, *timeout, *_OPTIONS)
 

@@ -29,7 +29,6 @@ ENDS = [  # what is typed, the exit code, and what is said on standard error
     ("wait battery 10", 0, "8"),  # And some tenths less on a slow machine.
     ("go 3 --follow", 2, "go has no --follow: events and echo have it"),
     ("events --once", 2, "events has no --once: echo has it"),
-    ("go 3 --leave", 2, "--leave goes with --wait"),
     ("reset --wait", 2, "reset has no --wait: it sends no goals"),
     ("wait idle --wait", 2, "wait has no --wait: it sends no goals"),
     ("events 3 --follow", 2, "only events can be followed, without further words"),
@@ -58,10 +57,6 @@ async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -
         )
         assert station.robot.snapshot.running_goal is None
         assert not station.queue.waiting
-        left = await typed("go", "3", "--wait", "--leave", "--timeout", "0.5")
-        assert (left.code, "not within 0.5 s; what was sent goes on" in left.err) == (4, True)
-        assert station.robot.snapshot.running_goal is not None
-        assert (await typed("cancel", "--timeout", "5")).code == 0
         assert (await typed("events", "--follow", "--timeout", "0.2")).code == 4
         assert (await typed("wait", "battery", "100", "--timeout", "0.2")).code == 4
         assert (await typed("stop", "--timeout", "0")).code == 0

@@ -184,17 +184,6 @@ def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None
         script.close()
 
 
-def test_with_leave_ctrl_c_leaves_the_goal_running() -> None:
-    script, shell = moving("go", "12", "--wait", "--leave")
-    try:
-        shell.send_signal(signal.SIGINT)
-        shell.communicate(timeout=2.0)
-        assert shell.returncode == 130
-        assert said("wait", "arrived", "--timeout", "0.5").code == 4
-    finally:
-        script.close()
-
-
 @pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
 def test_what_asks_is_answered_at_the_callers_terminal(
     typed: str, code: int, terminals: list[Terminal]
@@ -255,10 +244,8 @@ def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
     script.close()
 
 
-@pytest.mark.parametrize("how", ["--wait", "--wait --leave", "killed"])
-async def test_a_goal_that_is_taken_late_is_cancelled_unless_it_was_left(
-    how: str, unlimited: Path
-) -> None:
+@pytest.mark.parametrize("how", ["--wait", "killed"])
+async def test_a_goal_that_is_taken_late_is_cancelled(how: str, unlimited: Path) -> None:
     made: list[Hesitant] = []
     async with served(making(made, Hesitant), robot=unlimited) as person:
         robot = person._plain._station.robot
@@ -278,8 +265,4 @@ async def test_a_goal_that_is_taken_late_is_cancelled_unless_it_was_left(
             assert (told.code, "the goal may be running" in told.err) == (1, True)
         await until(lambda: "go to shelf 12: no answer in 2 s" in person.said)
         made[0].answer()
-        if how == "--wait --leave":
-            await until(lambda: phase() == Phase.MOVING)
-            assert not made[0].cancelled.done()
-            await typed("cancel")
         await until(lambda: phase() == Phase.CANCELLED)

@@ -174,13 +174,3 @@ def test_each_way_of_a_toggle_says_what_it_does() -> None:
     made = verbs(replace(ARCHO, commands=(*ARCHO.commands, unnamed)), FORMS)
     assert made["discharge"].help_line == "discharge: Stop charging"
     assert made["light_off"].help_line == "light_off: Switch light off"
-
-
-def test_a_command_of_the_file_that_does_not_move_the_robot_says_so() -> None:
-    charge, reset = ARCHO.commands
-    made = verbs(replace(ARCHO, commands=(charge, replace(reset, moves=True))), FORMS)
-    assert [made[name].moves for name in ("reset", "charge", "discharge")] == [True, False, False]
-    assert not VERBS["reset"].moves
-    movers = {name for name, verb in made.items() if verb.moves}
-    assert {"go", "continue", "release", "send_goal", "call"} <= movers
-    assert movers.isdisjoint({"stop", "cancel", "skip", "set", "status"})
