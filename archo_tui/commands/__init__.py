@@ -23,8 +23,8 @@ from archo_tui.screens.main import PANELS
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
 from archo_tui.verbs.places import SavePlace, SaveQueue
-from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Give
+from archo_tui.verbs.topics import Publish
 from archo_tui.verbs.verb import Verb
 
 

@@ -21,10 +21,17 @@ from archo_tui.screens.dialog import AskPath
 from archo_tui.screens.message_form import MessageForm
 from archo_tui.verbs.goals import GOALS, KIND, Go, any_kind, kind_of
 from archo_tui.verbs.names import topics_of, type_of
-from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.stop import StopNow
-from archo_tui.verbs.topics import LISTENING, robot_file_text
+from archo_tui.verbs.topics import (
+    LISTENING,
+    MAX_RATE,
+    RATE,
+    TIMES,
+    Publish,
+    frequency,
+    robot_file_text,
+)
 from archo_tui.verbs.verb import Question, Verb
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a publication has begun.

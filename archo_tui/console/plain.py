@@ -160,7 +160,7 @@ class Plain:
         if self._input.overflows > self._reported_overflows:
             self._reported_overflows = self._input.overflows
             self._printer.print_failure(
-                "more than 1 MB of lines wait: further ones are refused, stop is not"
+                "too many lines wait: further ones are refused, stop is not"
             )
         self._conditions.check_again()
 

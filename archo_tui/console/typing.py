@@ -17,6 +17,7 @@ from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.words import is_stop, shell_words
 
 MAX_WAITING = 1024 * 1024  # Bytes of lines that wait to be carried out.
+MAX_LINES = 20_000  # Lines that wait: short ones take more memory than their bytes.
 MAX_LINE = 64 * 1024  # Bytes of a line that is accepted.
 TOO_LONG = b"\n"  # Stands for a longer line; no line can be equal to it.
 _SHOWN = 40  # Bytes of a line that is not UTF-8 which its error quotes.
@@ -92,10 +93,8 @@ class Input:
         self.is_terminal = descriptor is not None and os.isatty(descriptor)
         self._thread = threading.Thread(target=self._read, name="stdin", daemon=True)
         self._lock = threading.Lock()  # Held while the three attributes below are used.
-        # One entry a line: `STOPS TEXT\n`, or `STOPS\n` for a line that was too long. As objects,
-        # 1 MB of short lines would take many times as much memory.
-        self._waiting = bytearray()
-        self._size = 0  # Bytes of the waiting lines, without the numbers.
+        self._waiting: deque[tuple[bytes, int]] = deque()  # Each with the STOPs before it.
+        self._size = 0  # Bytes of the waiting lines.
         self._is_full = False
         self._is_announced = False  # The loop will call `on_input`, and has not done so yet.
         self._is_closed = False
@@ -129,9 +128,7 @@ class Input:
     def is_cancel_next(self) -> bool:
         """True if the line that has waited longest is `cancel`, without further words."""
         with self._lock:
-            end = max(self._waiting.find(b"\n"), 0)
-            _, _, text = self._waiting[:end].partition(b" ")
-        return text.split() == [b"cancel"]
+            return bool(self._waiting) and self._waiting[0][0].split() == [b"cancel"]
 
     @property
     def is_quiet(self) -> bool:
@@ -149,22 +146,20 @@ class Input:
     def take(self) -> TypedLine | None:
         """Remove and return the line that has waited longest; None if no line waits."""
         with self._lock:
-            end = self._waiting.find(b"\n")
-            entry = bytes(self._waiting[: max(end, 0)])
-            del self._waiting[: end + 1]
-            stops, space, text = entry.partition(b" ")
+            if not self._waiting:
+                return None
+            text, stops = self._waiting.popleft()
             self._size -= len(text)
             # Refusing ends when half has been taken, so that it is reported once, not per line.
-            self._is_full = self._is_full and self._size > MAX_WAITING // 2
-        if not entry:
-            return None
-        if not space:
-            return TypedLine("", int(stops), f"a line of more than {MAX_LINE} bytes")
+            is_half = self._size <= MAX_WAITING // 2 and len(self._waiting) <= MAX_LINES // 2
+            self._is_full = self._is_full and not is_half
+        if text == TOO_LONG:
+            return TypedLine("", stops, f"a line of more than {MAX_LINE} bytes")
         try:
-            return TypedLine(text.decode(), int(stops))
+            return TypedLine(text.decode(), stops)
         except UnicodeDecodeError:  # Replacement characters must not be sent to the robot.
             shown = text[:_SHOWN].decode(errors="replace")
-            return TypedLine("", int(stops), f"a line that is not UTF-8: {shown}")
+            return TypedLine("", stops, f"a line that is not UTF-8: {shown}")
 
     # Called on the thread.
 
@@ -203,27 +198,26 @@ class Input:
     def _keep(self, lines: list[bytes]) -> None:
         """Count each line that is a STOP or calls its service; keep each other line.
 
-        Once MAX_WAITING bytes wait, lines are dropped until half of them are taken.
+        Once too many wait, lines are dropped until half of them are taken.
         """
         stops = self._stops.count
-        entries = []  # Each with the bytes of its text.
         for line in lines:
             if is_stop(line) or (b"call" in line and self._stops.is_stop_call(shell_words(line))):
                 stops = self._stops.register()
                 self.unanswered.append(stops)
                 self._on_stop(stops)
-            elif line == TOO_LONG:
-                entries.append((b"%d\n" % stops, 0))
-            elif line.strip() or self.is_terminal:  # At a terminal, an empty line is an answer.
-                entries.append((b"%d %b\n" % (stops, line), len(line)))
+            elif line.strip() or line == TOO_LONG or self.is_terminal:  # There, it is an answer.
+                self._keep_line(line, stops)
+
+    def _keep_line(self, line: bytes, stops: int) -> None:
         with self._lock:
-            for entry, size in entries:
-                if not self._is_full and self._size + size > MAX_WAITING:
-                    self._is_full = True
-                    self.overflows += 1
-                if not self._is_full:
-                    self._waiting += entry
-                    self._size += size
+            is_over = self._size + len(line) > MAX_WAITING or len(self._waiting) >= MAX_LINES
+            if not self._is_full and is_over:
+                self._is_full = True
+                self.overflows += 1
+            if not self._is_full:
+                self._waiting.append((line, stops))
+                self._size += len(line)
 
     def _announce(self) -> None:
         """Have the loop call `on_input`, unless a call is due already."""

@@ -9,7 +9,6 @@ from archo_tui.verbs import (
     nodes,
     parameters,
     places,
-    publish,
     services,
     show,
     stop,
@@ -19,7 +18,7 @@ from archo_tui.verbs import (
 from archo_tui.verbs.verb import Forms, Verb
 
 # In the order in which help lists them.
-_FILES = goals, places, stop, services, show, alarms, parameters, nodes, topics, publish, waits
+_FILES = goals, places, stop, services, show, alarms, parameters, nodes, topics, waits
 # Every class of a verb in them; the bases of several begin with an underscore.
 _KINDS = [
     kind

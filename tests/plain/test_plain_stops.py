@@ -249,7 +249,7 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
     async with typing(stub_station(robot)) as person:
         await until(lambda: robot.listening)  # and reads: more is typed than a pipe holds
         person.type("stop\n" + f"{line}\n" * 50)
-        await person.until("failed: more than 1 MB of lines wait: further ones are refused")
+        await person.until("failed: too many lines wait: further ones are refused")
         await until(lambda: robot.answers)
         robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         assert await person.end() == 1

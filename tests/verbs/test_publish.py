@@ -20,7 +20,7 @@ from archo_tui.commands.generic import _publish_values
 from archo_tui.robot_file import load
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Cancel
-from archo_tui.verbs.publish import Publish, frequency
+from archo_tui.verbs.topics import Publish, frequency
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
