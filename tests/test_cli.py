@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from zipfile import ZipFile
 
 import pytest
@@ -290,46 +291,21 @@ def test_where_no_console_runs_the_list_of_them_says_so() -> None:
     assert hint.startswith("ARCHO_TUI_SOCKETS is set: only ")
 
 
-def test_without_a_terminal_it_says_so() -> None:
-    done = archo()
-    assert done.returncode == 2
-    assert (
-        done.stderr.removeprefix("archo-tui: ").strip()
-        == "stdin is not a terminal: run archo-tui in one, or use --plain"
-    )
-
-
-def test_stdout_must_be_a_terminal_too() -> None:
+@pytest.mark.parametrize("name", ["stdin", "stdout", "stderr"])
+def test_a_screen_needs_a_terminal_for_each_of_its_streams(name: str) -> None:
     master, slave = pty.openpty()
-    try:
-        done = subprocess.run(
-            warm.python("-m", "archo_tui"), stdin=slave, capture_output=True, check=False
-        )
-    finally:
-        os.close(master)
-        os.close(slave)
-    assert done.returncode == 2
-    assert (
-        done.stderr
-        == b"archo-tui: stdout is not a terminal: run archo-tui in one, or use --plain\n"
-    )
-
-
-def test_stderr_must_be_a_terminal_for_the_screen_is_drawn_there() -> None:
-    master, slave = pty.openpty()
+    streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout"), slave)
+    streams |= {"stderr": subprocess.PIPE, name: subprocess.DEVNULL}
+    if name == "stderr":
+        streams[name] = subprocess.PIPE
     command = [sys.executable, "-m", "archo_tui"]
     try:
-        done = subprocess.run(
-            command, stdin=slave, stdout=slave, stderr=subprocess.PIPE, check=False, timeout=60
-        )
+        done = subprocess.run(command, check=False, timeout=60, **streams)
     finally:
         os.close(master)
         os.close(slave)
-    assert done.returncode == 2
-    assert (
-        done.stderr
-        == b"archo-tui: stderr is not a terminal: run archo-tui in one, or use --plain\n"
-    )
+    said = f"archo-tui: {name} is not a terminal: run archo-tui in one, or use --plain\n"
+    assert (done.returncode, done.stderr.decode()) == (2, said)
 
 
 def test_a_missing_parameter_file(refused: Refused) -> None:

@@ -133,7 +133,7 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
 def _without_program_arguments(words: list[str]) -> tuple[list[str], list[str]]:
     """Split `--node FILE -- ARG ...` at its `--`; without a `--node` before it nothing is split."""
     at = words.index("--") if "--" in words else len(words)
-    if any(word.partition("=")[0] in ("--node", "--run") for word in words[:at]):
+    if any(word.partition("=")[0] == "--node" for word in words[:at]):
         return words[:at], words[at + 1 :]
     return words, []
 

@@ -84,8 +84,6 @@ def _node_options(group: argparse._ArgumentGroup) -> None:
         "the console; its nodes replace the robot's own of the same names; it restarts when it is "
         "saved; can be given several times. Words behind -- are arguments of the last one",
     )
-    # Its older name, until the next release.
-    group.add_argument("--run", dest="node", action="append", help=argparse.SUPPRESS)
     group.add_argument(
         "--only",
         action="store_true",

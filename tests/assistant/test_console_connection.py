@@ -22,7 +22,7 @@ pytestmark = pytest.mark.real_time
 RANDOM_CALLS = 5000
 NAMES = ("status", "events", "history", "parameters", "stop", "go", "wait", "cancel")
 OTHERS = ("release", "set", "allow", "answer", "go --yes", "", "Stop", "\x1b[31m", "call" * 999)
-ARGUMENTS = ("kind", "values", "request", "seconds", "level", "minutes", "node", "name", "words")
+ARGUMENTS = ("kind", "values", "request", "seconds", "level", "node", "name", "words")
 VALUES: tuple[Any, ...] = (
     *("go", "stop", "release", "WARN", "--yes", "", "\ud800", "x" * 10_000, "motor_controller"),
     *(None, True, False, 0, 1, 3, 12, -1, 50, 60, 10**400, 0.5, 1e308, float("nan"), float("inf")),

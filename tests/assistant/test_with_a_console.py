@@ -69,8 +69,8 @@ async def test_a_console_is_read_and_stopped(terminals: list[Terminal]) -> None:
         assert all(0 <= event["age"] < 600 for event in events)
         assert (await model.call("events", level="FATAL")).robot["events"] == []
 
-        charge = (await model.call("history", minutes=1)).robot["values"]["charge"]["readings"]
-        assert [value["age"] for value in charge] == [0.0, 60.0]
+        charge = (await model.call("history")).robot["charge"]["readings"]
+        assert [value["age"] for value in charge] == [0.0, 60.0, 600.0, 3600.0]
         assert charge[0]["value"] == pytest.approx(status["battery"]["percentage"], abs=5)
 
         found = (await model.call("parameters", node="motor_controller")).robot["parameters"]

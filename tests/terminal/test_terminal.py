@@ -603,12 +603,11 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("option", ["--node", "--run"])
 def test_what_a_nodes_child_prints_is_an_event_and_leaves_the_screen_whole(
-    option: str, here: Path, terminals: list[Terminal]
+    here: Path, terminals: list[Terminal]
 ) -> None:
     (here / "clears.py").write_text(CLEARS)
-    terminal = Terminal("--only", option, "clears.py")
+    terminal = Terminal("--only", "--node", "clears.py")
     terminals.append(terminal)
     terminal.until("child words")
     terminal.until("clears stdout")

@@ -168,7 +168,7 @@ ARGUMENTS = HEAD + "print('words', sys.argv[1:], len(sys.argv), [*sys.argv][1:2]
 def test_a_program_has_the_arguments_behind_the_dashes_and_no_other(here: Path) -> None:
     (here / "first.py").write_text(ARGUMENTS)
     (here / "program.py").write_text(ARGUMENTS)
-    words = ["--only", "--node", "first.py", "--run", "program.py", "--plain", "--no-remote"]
+    words = ["--only", "--node", "first.py", "--node", "program.py", "--plain", "--no-remote"]
     words += ["--engine", chosen.ENGINE, "--", "--speed", "3"]
     done = subprocess.run(
         warm.python("-m", "archo_tui", *words),

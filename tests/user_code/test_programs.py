@@ -938,7 +938,7 @@ def test_a_program_ends_with_a_console_that_is_killed() -> None:
     # Elsewhere what has left its group is not known.
     daemon = DAEMON if sys.platform == "linux" else DAEMON.replace(", start_new_session=True", "")
     file.write_text(daemon + file.read_text())
-    words = ["--engine", "ros2", "--only", "--run", "talker.py", "--plain", "--no-remote"]
+    words = ["--engine", "ros2", "--only", "--node", "talker.py", "--plain", "--no-remote"]
     domain = {"ROS_DOMAIN_ID": str(chosen.next_domain())}
     console = subprocess.Popen(
         [sys.executable, "-m", "archo_tui", *words],

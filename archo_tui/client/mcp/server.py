@@ -209,23 +209,14 @@ class Tools:
         summary = f"{len(events)} events, the newest last{cut}."
         return self._answer(result, summary, {"events": events})
 
-    async def history(
-        self, minutes: Annotated[Literal[1, 10, 60], Field(description="how far to look back")] = 60
-    ) -> CallToolResult:
-        """Charge, speed and the way left now and some minutes ago, as they were measured, and how
-        the last goals ended. `age` is in s; a value of null was not heard at that time.
+    async def history(self) -> CallToolResult:
+        """Charge, speed and the way left, now and 1, 10 and 60 min ago, as they were measured, and
+        how the last goals ended. `age` is in s; a value of null was not heard at that time.
         """
         result = await self._read("history")
         found = result.get("data")
-        found = dict(found) if isinstance(found, dict) else {}
-        ends, values = found.pop("goals", []), {}
-        for name, measured in found.items():
-            readings = _objects({"data": measured["readings"]})
-            shown = [each for each in readings if each["age"] <= 60 * minutes]
-            values[name] = {"unit": measured["unit"], "readings": shown}
-        data = {"source": "measured", "values": values, "goals": ends}
-        summary = f"The last {minutes} min, and how the last goals ended."
-        return self._answer(result, summary, data)
+        data = {"source": "measured", **(found if isinstance(found, dict) else {})}
+        return self._answer(result, "The last hour, and how the last goals ended.", data)
 
     async def parameters(
         self,
