@@ -202,6 +202,24 @@ def test_what_asks_is_answered_at_the_callers_terminal(
         script.close()
 
 
+def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
+    terminals: list[Terminal],
+) -> None:
+    script = Script(*SLOW)
+    try:
+        script.ready()
+        script.type("go 12\n")
+        script.until("MOVING to 12")
+        terminal = Terminal("reset", domain=script.domain)
+        terminals.append(terminal)
+        terminal.until("Reset encoder now? [y/N]")
+        script.type("cancel\n")
+        terminal.until("archo-tui: reset: the goal that was asked about has ended")
+        assert terminal.exit_code() == 1
+    finally:
+        script.close()
+
+
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
