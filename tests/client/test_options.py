@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import nullcontext
 from typing import Any
 
 import pytest
 
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
-from archo_tui.client.connection import Connection
 from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
-from tests.support.shells import heard, raw, said, served, typed
+from tests.support.shells import Graph, heard, raw, said, served, typed
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -140,23 +137,6 @@ def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixtu
     assert json.loads(capsys.readouterr().out) == {"code": "misuse", "text": "ROS 2 was not found"}
 
 
-class Graph(Connection):
-    """Stands for the graph: a robot that is attached to where no console runs."""
-
-    def __init__(self) -> None:
-        self.asked: list[dict[str, Any]] = []
-
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        self.asked.append(asked)
-        yield {"code": "done", "text": "confirmed"}
-
-    def replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        raise NotImplementedError
-
-    def send(self, said: dict[str, Any]) -> None:
-        raise NotImplementedError
-
-
 @pytest.mark.parametrize(
     ("words", "variable", "reaches"),
     [
@@ -177,8 +157,8 @@ def test_the_graph_is_attached_to_where_no_console_is_named(
     monkeypatch.setenv(find.CHOSEN, variable)
     graph = Graph()
     meant = {"engine": "ros2", "domain": 5}
-    code = shell.run(words.split(), (), lambda: nullcontext(graph), meant, helps)
+    code = shell.run(words.split(), (), graph.attach, meant, helps)
     assert bool(graph.asked) == reaches
     if "stop" in words and reaches:
-        assert graph.asked[0]["words"] == ["stop"]
+        assert graph.asked == [["stop"]]
     assert code == (0 if reaches or "--help" in words else 3)

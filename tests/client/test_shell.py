@@ -21,25 +21,15 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
 from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
-from tests.support import warm
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
 from tests.support.robot import making
 from tests.support.script import SLOW, Script
-from tests.support.shells import Said, heard, raw, said, served, typed, until
+from tests.support.shells import Said, client, heard, raw, said, served, typed, until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
-
-
-def client(*words: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        warm.python("-m", "archo_tui", *words),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 async def ended(process: subprocess.Popen[str]) -> Said:

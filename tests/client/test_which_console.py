@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import socket
-import subprocess
 import threading
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
@@ -20,7 +19,6 @@ import pytest
 
 import archo_tui
 from archo_tui.client import find, shell, sockets
-from archo_tui.client.connection import Connection
 from archo_tui.client.connection import Unreached as NotReached
 from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ConsoleConnection
@@ -28,10 +26,20 @@ from archo_tui.client.mcp.server import make_server
 from archo_tui.client.shell import print_consoles
 from archo_tui.console import socket as server
 from tests.assistant.support import FakeConsole
-from tests.support import warm
 from tests.support.night import corners
 from tests.support.script import SLOW, Script
-from tests.support.shells import heard, own_socket, raw, reached, said, served, typed, until
+from tests.support.shells import (
+    Graph,
+    client,
+    heard,
+    own_socket,
+    raw,
+    reached,
+    said,
+    served,
+    typed,
+    until,
+)
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -294,41 +302,20 @@ async def test_the_refusal_of_one_that_watches_does_not_fail_a_stop() -> None:
         assert await asyncio.to_thread(stop_by_shell) == 1
 
 
-class Graph(Connection):
-    """Stands for a robot that a verb attaches to: whatever is asked is done."""
-
-    def __init__(self) -> None:
-        self.words: list[list[str]] = []
-
-    @contextmanager
-    def attached(self) -> Iterator[Graph]:
-        yield self
-
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        self.words.append(asked["words"])
-        yield {"code": "done", "text": "by itself"}
-
-    def replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        yield from ()
-
-    def send(self, said: dict[str, Any]) -> None:
-        """Nothing is asked of whoever typed it."""
-
-
 async def test_where_a_console_only_watches_a_verb_on_ros2_acts_by_itself() -> None:
     graph = Graph()
 
     def verb(*words: str) -> int:
-        return shell.run(words, (), graph.attached)
+        return shell.run(words, (), graph.attach)
 
     async with answering("/", watching=True) as watching:
         for word in ("stop", "go"):
             watching.answer(word, "watching", "watching only")
         for words in (["stop"], ["go", "3"], ["status"]):
             assert await asyncio.to_thread(verb, *words) == 0, words
-        assert graph.words == [["stop"], ["go", "3"]]
+        assert graph.asked == [["stop"], ["go", "3"]]
         assert await asyncio.to_thread(verb, "go", "3", "--to", "7") == 1  # it is named
-        assert len(graph.words) == 2
+        assert len(graph.asked) == 2
 
 
 async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None:
@@ -500,16 +487,6 @@ def begun(*words: str) -> Iterator[Script]:
         yield script
     finally:
         script.close()
-
-
-def client(*words: str, **environ: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        warm.python("-m", "archo_tui", *words),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | environ,
-    )
 
 
 @pytest.fixture

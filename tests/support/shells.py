@@ -8,10 +8,11 @@ import io
 import json
 import os
 import socket
+import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, asynccontextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 from unittest.mock import patch
@@ -19,6 +20,8 @@ from unittest.mock import patch
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.cli.verb import helps
 from archo_tui.client import shell, sockets
+from archo_tui.client.connection import Connection
+from tests.support import warm
 from tests.support.console import AT_ONCE
 from tests.support.plain import Typed, operated
 from tests.support.waiting import DEADLINE, Waited
@@ -43,6 +46,31 @@ def said(*words: str) -> Said:
 async def typed(*words: str) -> Said:
     """Run it to its end, beside the console that runs on this loop."""
     return await asyncio.to_thread(said, *words)
+
+
+def client(*words: str) -> subprocess.Popen[str]:
+    """Begin it in a process of its own."""
+    return subprocess.Popen(
+        warm.python("-m", "archo_tui", *words),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {},
+    )
+
+
+class Graph(Connection):
+    """Stands for a robot that a verb attaches to where no console acts: what is asked is done."""
+
+    def __init__(self) -> None:
+        self.asked: list[list[str]] = []  # The words of each request.
+
+    def attach(self) -> AbstractContextManager[Connection]:
+        return contextlib.nullcontext(self)
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        self.asked.append(asked["words"])
+        yield {"code": "done", "text": "confirmed"}
 
 
 async def until(holds: Callable[[], object], what: Callable[[], str] = str) -> None:
