@@ -101,7 +101,7 @@ class Plain:
         self._printer = Printer(
             station, self._output, status, is_ending=lambda: self._shutdown.has_begun
         )
-        self._put_back: TypedLine | None = None  # Read as an answer, but it is a command.
+        self._put_back: TypedLine | None = None  # Taken, and still to be carried out.
         self._is_asking = False  # The next line is an answer.
         self._stop_results: list[dict[str, Any]] = []  # Not yet told.
         self._stopped_up_to = 0  # The number of the last confirmed STOP, by `Stops.count`.
@@ -212,7 +212,9 @@ class Plain:
         next_line = self._input.take()
         if next_line is not None:
             up_to = next_line.stops_before
+            self._put_back = next_line  # None is lost if this is cancelled: `run_when_ready`.
             await self._conditions.wait(lambda: self._are_answered(up_to))
+            self._put_back = None
         return next_line
 
     def _are_answered(self, up_to: int) -> bool:
@@ -417,13 +419,14 @@ class Plain:
         try:
             await self._conditions.wait(lambda: gate.is_shut or self._input.has_line_or_end)
             line = await self._next_line() if self._input.has_line_or_end else None
+            self._put_back = line
         finally:
             self._is_asking = False
         # A terminal hands over one line a read: a STOP may be right behind the answer.
         await self._conditions.wait(lambda: self._input.is_quiet)
         answer = "" if line is None else line.text.strip().lower()
-        if line is not None and (line.fault or answer not in ("", *YES_WORDS, *_NO)):
-            self._put_back = line
+        if line is None or (not line.fault and answer in ("", *YES_WORDS, *_NO)):
+            self._put_back = None
         gate()
         if answer not in YES_WORDS:
             raise ArchoError("not done: the answer was not yes")

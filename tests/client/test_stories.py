@@ -17,6 +17,7 @@ import pytest
 import archo_tui
 from archo_tui.client.errors import ERRORS, NotDone, Refused
 from archo_tui.client.protocol import EXITS
+from archo_tui.console.typing import Input
 from archo_tui.station.station import Station
 from tests.support.console import FAST, LONG, console
 from tests.support.night import corners
@@ -272,6 +273,23 @@ async def test_a_question_about_a_goal_closes_at_a_terminal_once_that_has_ended(
         await heard(person, f"failed: reset: {ENDED}")
         assert await person.end() == 1
         assert "reset encoder" not in person.said
+
+
+async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(ros_args=LONG, at_terminal=True) as person:
+        person.type("go 12\n")
+        await heard(person, "MOVING to 12")
+        person.type("reset\n")
+        await heard(person, "[y/N]")
+        with monkeypatch.context() as patch:
+            patch.setattr(Input, "is_quiet", False)  # More may be behind it.
+            person.type("nodes\n")
+            await until(lambda: not person._plain._input._waiting)
+            assert (await typed("cancel")).code == 0
+            await heard(person, f"failed: reset: {ENDED}")
+        await heard(person, "motor_controller up")
 
 
 async def test_a_question_about_a_goal_closes_in_a_program_once_that_has_ended() -> None:
