@@ -38,7 +38,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "launch": launch,
     "keys": subcommands.print_keys,
     "completions": completion.print_completions,
-    "consoles": subcommands.list_consoles,
+    "consoles": lambda options: shell.print_consoles(as_json=options.json),
     "mcp": subcommands.serve_assistant,
     "recordings": subcommands.recordings,
     "replay": subcommands.replay,

@@ -67,13 +67,6 @@ def print_keys(options: Namespace) -> int:
     return 0
 
 
-def list_consoles(options: Namespace) -> int:
-    """Print the consoles that run here; return 0 if there are any and all answer properly."""
-    from archo_tui.client.shell import print_consoles
-
-    return print_consoles(["--json"] if options.json else [])
-
-
 def serve_assistant(options: Namespace) -> int:
     """Serve an assistant on standard input and output until the input ends, and return 0."""
     try:

@@ -191,7 +191,7 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
     return f"{reason} (nearest: {near})" if near else f"{reason} (archo-tui --help lists them)"
 
 
-def print_consoles(words: Sequence[str]) -> int:
+def print_consoles(*, as_json: bool) -> int:
     """Print the consoles that run here; return UNREACHED if there is none or one has a fault."""
     faults: list[str] = []
     try:
@@ -203,7 +203,7 @@ def print_consoles(words: Sequence[str]) -> int:
     for console in found:
         fault = console.fault(find.HELLO_TIMEOUT)
         is_bad = is_bad or bool(fault)
-        if "--json" in words:
+        if as_json:
             _print(json.dumps({**console.card, "answers": not fault}))
         else:
             _print(f"{console.description}{': ' if fault else ''}{fault}")

@@ -116,7 +116,7 @@ def by_python() -> int:
 
 
 def by_consoles() -> int:
-    return print_consoles([])
+    return print_consoles(as_json=False)
 
 
 def asked_of(tool: str) -> int:
