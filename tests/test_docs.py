@@ -426,7 +426,6 @@ def test_the_robot_files_that_come_with_it_name_the_schema() -> None:
         ("low: 1\n", "low: one\n"),
         ("parameter: shelf_count}", "param: shelf_count}"),
         ("ask: moving", "ask: sometimes"),
-        ("moves: false", "moves: perhaps"),
         ("toggle: {data: battery.charging}", "toggle: {}"),
         ("stop: {service: emergency_stop, ", "stop: {"),
     ],

@@ -248,8 +248,6 @@ class CommandService:
         Literal["moving", "always", "never"],
         "when a question comes first; `moving`: while a goal runs",
     ] = "never"
-    # The graph cannot tell whether a service sets the robot in motion, so the file says it.
-    moves: Annotated[bool, "false: it never sets the robot in motion"] = True
     toggle: Annotated[
         Mapping[str, str],
         "the request's bool, and the reading that it inverts: "
