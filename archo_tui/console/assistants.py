@@ -7,7 +7,7 @@ from typing import Any
 
 from archo_tui.client.protocol import words_of
 from archo_tui.console.waits import timeout_of, wait_until
-from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.clients import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import parse_all, typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from archo_tui.client.protocol import is_valid_timeout
-from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.clients import Requester
 from archo_tui.robot.messages.typed import parse_number
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal

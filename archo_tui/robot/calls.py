@@ -58,8 +58,8 @@ class Services:
         # Requests of an operator, by turn. A release that is carried out late undoes a later STOP,
         # so its answer must not be missed.
         self._unanswered: dict[int, tuple[Any, Any]] = {}
-        self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
-        self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
+        self.steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
+        self._timer = node.create_timer(DEADLINE, self._sweep, clock=self.steady)
         self._timer.cancel()
         self._turns = itertools.count(1)
         # Called with the turn of an operator's request when it is answered, however late.
@@ -182,9 +182,7 @@ class Services:
     async def pause(self, seconds: float) -> None:
         """Wait for a number of real seconds, on the ROS thread without blocking it."""
         passed: Future[bool] = Future(executor=self._node.executor)
-        timer = self._node.create_timer(
-            seconds, lambda: passed.set_result(True), clock=self._steady
-        )
+        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=self.steady)
         await passed
         self._node.destroy_timer(timer)
 

@@ -9,9 +9,7 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot.clients.changes import UnexplainedChanges
-from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.clients.requester import YOU, Requester
+from archo_tui.robot.clients import YOU, Requester, UnexplainedChanges, author
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord

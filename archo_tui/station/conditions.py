@@ -379,18 +379,12 @@ def no_nodes(seen: Situation) -> Found:
 
 def no_clock(seen: Situation) -> Found:
     snapshot = seen.snapshot
-    waiting, still = ", ".join(snapshot.simulated_nodes), snapshot.clock_still_since
+    waiting = ", ".join(snapshot.simulated_nodes)
     if waiting and not snapshot.has_clock:
         yield (
             "",
             f"NO CLOCK for {waiting}: use_sim_time is true and nobody publishes /clock: "
             "start the simulator, or set it to false",
-        )
-    elif waiting and still is not None:
-        yield (
-            "",
-            f"CLOCK STANDS STILL for {seen.now - still:.0f} s, which {waiting} goes by: "
-            "resume the simulator",
         )
 
 

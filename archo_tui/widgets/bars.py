@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.clients.requester import ASSISTANT
+from archo_tui.robot.clients import ASSISTANT
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.readings import Battery, Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Empty
 
-from archo_tui.robot.clients.consoles import author, goals_of_others
+from archo_tui.robot.clients import author, goals_of_others
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.load import default_path

@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
 from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
-from archo_tui.robot.clients.consoles import author
+from archo_tui.robot.clients import author
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
 from archo_tui.robot.messages.period import MessageRate

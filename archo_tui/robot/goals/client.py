@@ -17,10 +17,11 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import calls
 from archo_tui.robot.calls import DEADLINE, Services
-from archo_tui.robot.clients.consoles import author, goals_of_others, new_goal_id
+from archo_tui.robot.clients import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
 from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
+from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.period import Pause
 from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot.node import Listener
@@ -78,16 +79,16 @@ class Goals:
         node: Listener,
         clock: Clock,
         pending: Services,
+        graph: Graph,
         on_change: Callable[[bool], None],  # With True for a new goal or phase.
         note: Callable[[str, str], None],  # Level and text of what no verb reports any more.
         on_end: Callable[[Goal, str], None],  # Unless its verb reports the end.
-        consoles: Callable[[], Collection[str]],  # The names of the other ones.
         exempt: Collection[str],  # The actions whose goals no STOP cancels.
         watching: bool = False,
     ) -> None:
         self._node, self._clock, self._services = node, clock, pending
         self._on_change, self._note, self._on_end = on_change, note, on_end
-        self._consoles, self._console = consoles, author(node.get_name())
+        self._graph, self._console = graph, author(node.get_name())
         self.actions = GoalActions(
             *(node, clock, pending, exempt, watching, self._on_feedback, self._on_status)
         )
@@ -387,7 +388,7 @@ class Goals:
             record.state = record.state.cancelled_with_all(now)
         ids, silent = await self.actions.cancel_every(for_stop=True) or (set(), "")
         others = ids - ours
-        text = "; ".join(filter(None, (goals_of_others(others, self._consoles()), silent)))
+        text = "; ".join(filter(None, (goals_of_others(others, self._graph.consoles), silent)))
         if not others:
             return Outcome(Code.TIMEOUT if silent else Code.REFUSED, text)
         return Outcome(Code.ACCEPTED, text)

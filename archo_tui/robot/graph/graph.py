@@ -11,7 +11,7 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
 from rclpy.node import Node
 
-from archo_tui.robot.clients.consoles import author
+from archo_tui.robot.clients import author
 from archo_tui.robot.graph.resources import SEND, Resources, Types
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.audit_records import TOPIC

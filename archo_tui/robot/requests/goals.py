@@ -6,17 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from archo_tui.robot import calls
-from archo_tui.robot.goals.machine import FARTHEST
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.run import run
 from archo_tui.robot.state.goal import values_text
-from archo_tui.robot.state.graph import ACTION, linked_number
+from archo_tui.robot.state.graph import ACTION
 from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import HELD, HOLDS, NOT_SENT, OPEN_STOP, UNCERTAIN, Gate, Void
 from archo_tui.robot_file import check
-from archo_tui.robot_file.model import GoalKind, ParameterRef
+from archo_tui.robot_file.model import GoalKind
 
 
 async def send(
@@ -26,7 +25,7 @@ async def send(
 
     A queued goal is HELD, not refused, while a STOP is open, holds or is uncertain.
     """
-    length = way_length(robot, kind)
+    length = robot.way_length(kind)
     title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
     async def go(gate: Gate) -> Outcome:
@@ -43,7 +42,7 @@ async def send(
         return _with_inactive_server(robot, kind.action, outcome)
 
     ros2 = robot.checks.goal_command(kind, values)
-    return await run(robot, *verb_of(robot, kind, values), title, ros2, go)
+    return await run(robot, *robot.verb_of(kind, values), title, ros2, go)
 
 
 def _refusal(robot: Parts, kind: GoalKind, gate: Gate, *, queued: bool) -> Outcome | None:
@@ -134,21 +133,3 @@ def end_goals_of_node(robot: Parts, served: Sequence[str]) -> None:
     robot.thread.submit(
         lambda: robot.goals.end_goals_of_node(lambda k: robot.checks.full(k.action) in served)
     )
-
-
-def way_length(robot: Parts, kind: GoalKind) -> float | None:
-    """Return the length of the whole way for a kind of goal, by the robot file; None if unknown."""
-    length = None if kind.remaining is None else kind.remaining.length
-    if isinstance(length, ParameterRef):
-        parameters, namespace = robot.parameters.all(), robot.graph.namespace
-        return linked_number(parameters, namespace, length, 0.0, FARTHEST)
-    return length
-
-
-def verb_of(
-    robot: Parts, kind: GoalKind, values: Mapping[str, Any]
-) -> tuple[str, Mapping[str, Any]]:
-    """Return the id of the verb that sends a goal, and its arguments, for the audit record."""
-    if kind not in robot.file.goals:
-        return "send_goal", {"action": robot.checks.full(kind.action), "values": values}
-    return "go" if kind == robot.file.goals[0] else kind.id, values

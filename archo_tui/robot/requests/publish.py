@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.robot import calls
-from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled

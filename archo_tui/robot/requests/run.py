@@ -6,7 +6,7 @@ from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.clients import current_requester
 from archo_tui.robot.outcome import WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.state.audit_records import AuditRecord

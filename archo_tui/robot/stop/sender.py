@@ -10,7 +10,6 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
-from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
@@ -59,7 +58,6 @@ class StopSender:
     def __init__(
         self,
         node: Node,
-        timer_clock: RosClock,
         services_of_robot: model.StopServices | None,
         clock: Clock,
         calls: Services,
@@ -69,7 +67,7 @@ class StopSender:
         telemetry: Telemetry,
         reporter: Reporter,
         snapshots: SnapshotSender,
-        thread: Callable[[], RosThread],
+        thread: RosThread,
         unended_nodes: Callable[[], Collection[str]],
     ) -> None:
         self._node, self._served, self._clock = node, services_of_robot, clock
@@ -80,7 +78,7 @@ class StopSender:
         self.stop = Stop()
         self.time = 0.0
         self.still_running: tuple[str, ...] = ()
-        self._timer = node.create_timer(_PERIOD, self.tick, clock=timer_clock)
+        self._timer = node.create_timer(_PERIOD, self.tick, clock=calls.steady)
         self._timer.cancel()
 
     def _become(self, after: Stop) -> bool:
@@ -272,9 +270,9 @@ class StopSender:
             if what is StopEffect.SEND:
                 is_first = self.stop.open and self.stop.open.answer is StopAnswer.NOT_SENT
                 when = "now" if is_first else "again"
-                self._thread().submit(partial(self._send_again, self._begin_call(), when))
+                self._thread.submit(partial(self._send_again, self._begin_call(), when))
             elif what is StopEffect.CANCEL_ALL:
-                self._thread().submit(self._cancel_all)
+                self._thread.submit(self._cancel_all)
             else:
                 goals.cancel_from_before(turn, mine=what is StopEffect.CANCEL_OWN)
         names = goals.names_from_before(self.stop.must_be_obeyed(now))
