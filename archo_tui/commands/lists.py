@@ -22,9 +22,8 @@ from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog, Form
-from archo_tui.station.alarm_board import SHELF_TIME
-from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
-from archo_tui.station.conditions import diagnostics_worst_first
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, is_diagnostic
+from archo_tui.station.conditions import Priority, diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.terminal.app import start_worker
 from archo_tui.text.alarm import no_alarms_text, timeline

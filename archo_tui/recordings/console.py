@@ -39,7 +39,8 @@ from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot_file.load import dump
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import Alarm, AlarmState, Priority
+from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
 
 JOURNAL, STATE = "/archo_tui/journal", "/archo_tui/state"

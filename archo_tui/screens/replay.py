@@ -16,7 +16,8 @@ from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.alarms import Alarm, AlarmState, Priority
+from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.conditions import Priority
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.bars import activity, contact, past_alarm
 from archo_tui.widgets.line import Line

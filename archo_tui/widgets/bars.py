@@ -16,7 +16,8 @@ from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.readings import Battery, Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
+from archo_tui.station.alarms import Alarm, AlarmState, any_urgent
+from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
 from archo_tui.text.goal import remaining_text, running_word
 from archo_tui.text.state import STILL_MOVING, elsewhere_text, fixed_width

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.station.alarm_board import AlarmBell
-from archo_tui.station.alarms import CONTACT_LOST, LOW_BATTERY, Alarm, AlarmState
+from archo_tui.station.alarms import Alarm, AlarmBell, AlarmState
+from archo_tui.station.conditions import CONTACT_LOST, LOW_BATTERY
 from archo_tui.terminal.notification import desktop_notification
 from tests.support.terminal import Terminal
 

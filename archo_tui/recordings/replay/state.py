@@ -27,9 +27,8 @@ from archo_tui.robot.state.graph import TOPIC, NodeState, in_namespace, level_wo
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
-from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarms import Alarm, conditions
-from archo_tui.station.conditions import Situation
+from archo_tui.station.alarms import Alarm, AlarmBoard
+from archo_tui.station.conditions import Situation, conditions
 
 ROSOUT = "/rosout"
 MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
