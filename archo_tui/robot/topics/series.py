@@ -5,24 +5,13 @@ from __future__ import annotations
 import math
 from array import array
 from bisect import bisect_left, bisect_right
-from typing import NamedTuple
 
 from archo_tui.robot.state.topic import Range
 
 # Where columns are shorter than a second, a value fills those of so many seconds, so that a topic
 # of 1 Hz has no gaps, though a message comes late.
 _HOLDS = 1.5
-_LATE = 1.0  # Seconds after which no value of a time comes any more.
 _SLACK = 100  # Parts beyond those that are kept, so that not every new one moves all others.
-_CURVES = 3  # Curves that are remembered: beside a field, and in plots.
-
-
-class _KnownCurve(NamedTuple):
-    """A curve that was returned, kept so that its columns need not be computed again."""
-
-    oldest: int  # The number of its first column, counted from the time 0.0.
-    settled: int  # The number of the first column that may still change.
-    values: list[Range | None]
 
 
 class Series:
@@ -34,7 +23,6 @@ class Series:
         self._per_second, self._kept = per_second, kept
         self._parts = array("q")  # Their numbers, counted from the time 0.0.
         self._least, self._greatest = array("d"), array("d")
-        self._curves: dict[tuple[float, int], _KnownCurve] = {}  # By span and number of columns.
 
     @property
     def is_empty(self) -> bool:
@@ -66,19 +54,8 @@ class Series:
 
         The columns begin at multiples of their length, so that a column that is past never changes.
         """
-        width, key = span / columns, (span, columns)
+        width = span / columns
         oldest = math.floor(now / width) - columns + 1
-        known, values = self._curves.get(key), list[Range | None]()
-        if known is not None and known.oldest <= oldest:
-            values = known.values[oldest - known.oldest : max(known.settled - known.oldest, 0)]
-        values += self._columns(oldest + len(values), columns - len(values), width, now)
-        if key not in self._curves and len(self._curves) == _CURVES:
-            self._curves.clear()  # The screen has another size.
-        settled = math.floor((now - _LATE) / width)
-        self._curves[key] = _KnownCurve(oldest, settled, values)
-        return tuple(values)
-
-    def _columns(self, oldest: int, columns: int, width: float, now: float) -> list[Range | None]:
         found: list[Range | None] = [None] * columns
         holds = _HOLDS if width < 1.0 else 0.0
         begin = bisect_left(self._parts, math.floor((oldest * width - holds) * self._per_second))
@@ -95,4 +72,4 @@ class Series:
                 until = min(until, places[number + 1])
             for held in range(max(place + 1, 0), min(until, columns)):
                 found[held] = low, high
-        return found
+        return tuple(found)
