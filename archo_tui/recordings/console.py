@@ -26,8 +26,8 @@ from std_msgs.msg import String
 
 from archo_tui import __version__
 from archo_tui.clock import LAST_STAMP, Monotonic, UnixTime
+from archo_tui.recordings.bag import LazyMessage
 from archo_tui.recordings.recorder import BEGUN, BlackBox
-from archo_tui.recordings.ring import LazyMessage
 from archo_tui.recordings.store import KEPT
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome

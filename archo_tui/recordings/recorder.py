@@ -5,18 +5,86 @@ from __future__ import annotations
 import queue
 import shutil
 import threading
+from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.recordings import store
-from archo_tui.recordings.ring import SPAN, LazyMessage, ReceivedMessage, Ring
+from archo_tui.recordings.bag import BagWriter, LazyMessage, ReceivedMessage
 
-if TYPE_CHECKING:
-    from archo_tui.recordings.bag import BagWriter
+SPAN = 60.0  # Seconds.
+RING_BYTES = 16_000_000
+_MAX_LATCHED = 1_000_000  # Bytes of a message that is kept beyond its time.
+# The topics whose messages are events; of all others the last message is the current state.
+_EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
+
+
+Listener = Callable[[ReceivedMessage], None]
+
+
+class Ring:
+    """A buffer of the last minute of messages, at most 16 MB of them. Thread-safe.
+
+    The last message of each topic is kept beyond its time, unless it is larger than 1 MB or tells
+    an event, as those of `/rosout` do: it shows the state of things at the beginning of a
+    recording.
+    """
+
+    def __init__(self, span: float = SPAN, max_bytes: int = RING_BYTES) -> None:
+        self._span, self._max_bytes = round(span * 1e9), max_bytes
+        self._lock = threading.Lock()
+        self._messages: deque[ReceivedMessage] = deque()
+        self._bytes = 0
+        # The last message of each topic that has become too old for the deque.
+        self._latched: dict[str, ReceivedMessage] = {}
+        self._listeners: list[Listener] = []
+
+    def add(self, received: ReceivedMessage) -> None:
+        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
+
+        The listeners get the message though it may be too large to be kept.
+        """
+        with self._lock:
+            self._messages.append(received)
+            self._bytes += received.bytes
+            cutoff = received.time - self._span
+            while self._bytes > self._max_bytes or (
+                self._messages and self._messages[0].time < cutoff
+            ):
+                oldest = self._messages.popleft()
+                self._bytes -= oldest.bytes
+                if oldest.bytes <= _MAX_LATCHED and not oldest.topic.endswith(_EVENT_TOPICS):
+                    self._latched[oldest.topic] = oldest
+            for listener in self._listeners:
+                listener(received)
+
+    def subscribe(self, listener: Listener) -> list[ReceivedMessage]:
+        """Return the messages kept so far, and pass all that follow to `listener`, under the lock.
+
+        The last messages of topics that have been silent for longer come first, with the time of
+        the oldest other message, if there is one.
+        """
+        with self._lock:
+            self._listeners.append(listener)
+            latched = [*self._latched.values()]
+            if self._messages:
+                begin = self._messages[0].time
+                latched = [message._replace(time=begin) for message in latched]
+            return [*latched, *self._messages]
+
+    def unsubscribe(self, listener: Listener) -> None:
+        with self._lock:
+            self._listeners.remove(listener)
+
+    @property
+    def bytes(self) -> int:
+        """The memory that the messages of the last minute take, approximately."""
+        return self._bytes
+
 
 OnWritten = Callable[[str, str], None]  # The recording's name, or "" and why there is none.
 SECONDS_AFTER = 5.0  # Recorded after the last trigger.
@@ -263,8 +331,6 @@ class BlackBox:
             self._make_room(self._folder / name)
 
     def _write_messages(self, recording: _Recording, messages: list[ReceivedMessage]) -> None:
-        from archo_tui.recordings.bag import BagWriter
-
         to, writer = recording.to, recording.writer
         if writer is None:
             made = store.make_hidden(self._folder) if to is None else store.make_folder(to)

@@ -22,7 +22,7 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.recorder import BlackBox
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.robot.messages.cdr import serialize
+from archo_tui.robot.node import serialize
 from tests.support import warm
 from tests.support.console import FAST
 from tests.support.plain import operated

@@ -16,8 +16,12 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.recordings.replay.player import find_recording, load_robot_file, opening_time
-from archo_tui.recordings.replay.report import report_lines
+from archo_tui.recordings.replay.player import (
+    find_recording,
+    load_robot_file,
+    opening_time,
+    report_lines,
+)
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain
 from tests.support import chosen, clock

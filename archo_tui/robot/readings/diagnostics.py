@@ -31,25 +31,19 @@ class Diagnostics:
         Of several statuses of one part in the array, the worst counts.
         """
         found = dict(self._by_key)
-        well: list[_Key] | None = None  # Parts that may be dropped for one that is not OK.
         for status in _worst(message.status, now):
-            if status.key not in found and len(found) >= _MOST:
-                if status.level is DiagnosticLevel.OK:
-                    continue
-                well = _parts_that_are_ok(self._by_key) if well is None else well
-                while well and not _is_well(found.get(well[-1])):
-                    well.pop()
-                if not well:
-                    continue
-                found.pop(well[-1])
-                self._periods.pop(well.pop())
             period = self._periods.get(status.key, Period()).with_message_at(now)
             self._periods[status.key] = period
             found[status.key] = status._replace(period=period.typical)
-            unnamed = (status.name, "")
-            if status.hardware_id and _is_well(found.get(unnamed)):
-                found.pop(unnamed)
-                self._periods.pop(unnamed)
+            unnamed = found.get((status.name, ""))
+            if status.hardware_id and unnamed and unnamed.level is DiagnosticLevel.OK:
+                del found[unnamed.key]
+        if len(found) > _MOST:  # What is OK, and was received longest ago, makes way.
+            kept = sorted(
+                found.values(), key=lambda s: (s.level is DiagnosticLevel.OK, -s.received)
+            )
+            found = {status.key: status for status in kept[:_MOST]}
+        self._periods = {key: self._periods[key] for key in found}
         return self._replace_by(found)
 
     def forget(self, key: tuple[str, str]) -> bool:
@@ -78,16 +72,6 @@ def _worst(statuses: Iterable[Any], now: float) -> Iterable[Diagnostic]:
         if WORST_FIRST.index(level) < WORST_FIRST.index(known.level):
             worst[new.key] = new
     return worst.values()
-
-
-def _parts_that_are_ok(found: Mapping[_Key, Diagnostic]) -> list[_Key]:
-    """Return the parts that are OK, the one that was received longest ago last."""
-    well = filter(_is_well, found.values())
-    return [status.key for status in sorted(well, key=lambda status: -status.received)]
-
-
-def _is_well(status: Diagnostic | None) -> bool:
-    return status is not None and status.level is DiagnosticLevel.OK
 
 
 def _number(level: Any) -> int:
