@@ -83,7 +83,7 @@ class Parts:
             start_parameter_services=False,
         )
         self.thread = RosThread(node, context, clock, lambda error: self.reporter.error(error))
-        services = self.services = Services(node, clock)
+        services = self.services = Services(node)
         services.on_answered = self._on_answered
         self.snapshots = SnapshotSender(node, services.steady, self._build_snapshot)
         shows = self.thread.submit, self.snapshots.send_soon
@@ -121,7 +121,7 @@ class Parts:
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
         node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, MAX_UNREAD)
         for kind in file.goals:
-            self.goals.actions.track(kind)
+            self.goals.track(kind)
         if file.frames:
             self.frames.begin()
         self.begun = clock.monotonic()

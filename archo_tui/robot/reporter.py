@@ -80,7 +80,3 @@ class Reporter:
     def report_stop_result(self, text: str, code: Code) -> None:
         """Report an outcome of a STOP that no verb waits for any more, as `report_done` does."""
         self.report_done(text, AuditRecord("stop", {"later": True}, code))
-
-    def report_cancel_of_others(self, text: str, code: Code) -> None:
-        """Report that goals of other clients were cancelled behind a STOP that is not confirmed."""
-        self.report_done(text, AuditRecord("cancel", {"all": True}, code))

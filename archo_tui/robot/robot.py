@@ -95,7 +95,7 @@ class Robot(Parts):
         """
         self.snapshots.mailbox.close()
         if self.thread.stop():
-            self.goals.actions.close()
+            self.goals.close()
 
     def note(
         self,

@@ -88,9 +88,9 @@ def _find_class(type_name: str, encoding: str, text: str) -> Any:
     if parts is None or made is None:
         raise Unreadable(f"{type_name} is not installed here")
     root = f"{parts.package}/{parts.name}"
-    if encoding == "ros2msg" and not _have_same_fields(
-        _parse_layout(definition(made), root), _parse_layout(text, root), root
-    ):
+    theirs = _parse_layout(text, root)
+    ours = _parse_layout(definition(made), root)  # It has the messages within it, and no others.
+    if encoding == "ros2msg" and any(theirs.get(name) != ours[name] for name in ours):
         raise Unreadable(f"{type_name} has other fields here than in the file")
     return made
 
@@ -102,20 +102,6 @@ def _load_class(parts: InterfaceType) -> Any:
         action = load_class(str(parts).removesuffix(_FEEDBACK))
         made = getattr(getattr(action, "Impl", None), "FeedbackMessage", None)
     return made if hasattr(made, "get_fields_and_field_types") else None
-
-
-def _have_same_fields(ours: _Layout, theirs: _Layout, root: str) -> bool:
-    """Return True if `root` and each message within it agree; theirs may contain themselves."""
-    wanted, seen = [root], set[str]()
-    while wanted:
-        name = wanted.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        if name not in theirs or ours[name] != theirs[name]:
-            return False
-        wanted += [kind for kind, _, _ in ours[name] if "/" in kind]
-    return True
 
 
 def _parse_layout(text: str, root: str) -> _Layout:

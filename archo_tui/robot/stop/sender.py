@@ -25,6 +25,7 @@ from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
@@ -299,7 +300,7 @@ class StopSender:
         if outcome.code is Code.REFUSED and runs_here:
             return  # Only a goal of this console ran, whose end is an event.
         text = f"STOP was not confirmed in time: {outcome.text}"
-        self._reporter.report_cancel_of_others(text, outcome.code)
+        self._reporter.report_done(text, AuditRecord("cancel", {"all": True}, outcome.code))
 
 
 def _not_sent(code: Code, reason: str) -> Answers:
