@@ -16,7 +16,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -26,8 +25,6 @@ from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
     MAGIC,
-    MAX_CHANNELS,
-    MAX_PARTS,
     Budget,
     BudgetExceeded,
     Index,
@@ -40,8 +37,6 @@ from archo_tui.robot.messages.types import EMPTY, load_class
 from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
 from archo_tui.safe_text import harmless
 
-_MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.
-_MAX_TEXT = 16_000_000  # Bytes of all definitions of a bag.
 _FEEDBACK = "_FeedbackMessage"
 _SEPARATOR = re.compile(r"^=+[ \t]*$", re.MULTILINE)  # Between the messages of a definition.
 _FIELD = re.compile(r"([\w/]+)(?:<=\d+)?(?:(\[)(<=)?(\d*)\])?[ \t]+(\w+)\b(?![ \t]*=)")
@@ -59,7 +54,6 @@ class InstalledTypes:
 
     def __init__(self) -> None:
         self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
-        self._text_left = _MAX_TEXT
 
     def find_class(self, type_name: str, encoding: str, text: bytes) -> Any:
         """Return the class of `package/kind/Name`, or raise Unreadable.
@@ -69,9 +63,6 @@ class InstalledTypes:
         given = b"\0".join((type_name.encode(), encoding.encode(), text))
         key = hashlib.sha256(given).digest()
         if key not in self._found:
-            self._text_left -= len(given)
-            if self._text_left < 0 or len(self._found) == _MAX_TYPES:
-                raise Unreadable("too many types")
             try:
                 self._found[key] = _find_class(type_name, encoding, text.decode(errors="replace"))
             except Unreadable as error:
@@ -331,14 +322,13 @@ class BagFile:
         return ReadMessages(found, is_cut)
 
     def _index_file(self, path: Path, budget: Budget) -> Index:
-        fault = partial(self._add_fault, path)
+        def fault(text: str) -> None:
+            self._faults.add(f"{path.name}: {text}")
+
         with _opened(path) as file:
             index = mcap_file.read_index(file, os.fstat(file.fileno()).st_size, budget, fault)
         topics = self._readable_topics(path, index)
-        free = MAX_PARTS - len(self._parts)
-        if len(index.parts) > free:
-            fault(f"more than {MAX_PARTS:,} chunks in all: the rest is left out")
-        self._parts += [_FilePart(part, path, topics) for part in index.parts[:free]]
+        self._parts += [_FilePart(part, path, topics) for part in index.parts]
         return index
 
     def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
@@ -363,8 +353,6 @@ class BagFile:
                 if schema is None:
                     raise Unreadable("its type is not named")
                 kind = self._installed.find_class(schema.name, schema.encoding, schema.data)
-                if topic not in self.types and len(self.types) == MAX_CHANNELS:
-                    raise Unreadable(f"more than {MAX_CHANNELS:,} topics")
                 if self.types.setdefault(topic, schema.name) != schema.name:
                     raise Unreadable(f"{schema.name}, where {self.types[topic]} came before")
                 if schema.encoding != "ros2msg":
@@ -374,9 +362,6 @@ class BagFile:
             except Unreadable as error:
                 self._faults.add(f"{topic}: left out: {error}")
         return found
-
-    def _add_fault(self, path: Path, text: str) -> None:
-        self._faults.add(f"{path.name}: {text}")
 
 
 def _mcap_files(path: Path) -> list[Path]:
