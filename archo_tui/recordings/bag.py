@@ -130,12 +130,8 @@ class BagWriter:
         self._stream.flush()
         os.fsync(self._stream.fileno())
 
-    def finish(self, about: Mapping[str, str], attached: Mapping[str, str]) -> None:
-        """Write further attachments and the end of the MCAP file, close it, write `metadata.yaml`.
-
-        `about` becomes its custom data.
-        """
-        self.attach(attached)
+    def finish(self, about: Mapping[str, str]) -> None:
+        """Write the end of the MCAP file, close it, and write `metadata.yaml` with custom data."""
         self._writer.finish()  # type: ignore[no-untyped-call]
         self._stream.close()
         counted = [

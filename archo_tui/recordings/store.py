@@ -30,7 +30,6 @@ _MAX_WORD = 60  # Characters of the reason in a recording's name.
 _MAX_REASON = 1000  # Characters; another tool's bag may hold any text.
 _MAX_COUNT = 2**63  # In ns since the epoch, an int64 of rosbag2: the year 2262.
 _NANOSECONDS, _NUMBER = re.compile(r"[0-9]{1,19}"), re.compile(r"[0-9]{1,9}")
-_TRIAL_BYTES = 100_000  # Written to see if the disk takes data again.
 _STALE_SECONDS = 3600.0  # Age at which a hidden folder is taken for a leftover.
 
 
@@ -246,18 +245,6 @@ def _sync(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def check_writable(folder: Path) -> None:
-    """Raise OSError if the folder, made if missing, cannot take a small file, or is almost full."""
-    made = folder / f"{_HIDDEN_PREFIX}try.{os.getpid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    check_free(folder)
-    try:
-        made.write_bytes(bytes(_TRIAL_BYTES))
-        _sync(made)
-    finally:
-        made.unlink(missing_ok=True)
 
 
 def make_room(

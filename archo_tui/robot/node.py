@@ -27,7 +27,7 @@ class _Subscription:
 class Listener(Node):
     """A node that calls `on_message` with each message, before the callback of its subscription.
 
-    Only subscriptions by `listen` and `listen_quietly` do so.
+    Only subscriptions by `listen_quietly` do so.
     """
 
     def __init__(
@@ -44,31 +44,38 @@ class Listener(Node):
         # The same; they outlast a subscription that is replaced by one with another QoS.
         self._taps: dict[tuple[str, Any], list[Callable[[bytes], None]]] = {}
 
-    def listen(
-        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
-    ) -> Any:
-        """Subscribe to a topic; rclpy logs publishers whose QoS is incompatible."""
-        return self._listen(kind, topic, callback, qos)
-
     def listen_quietly(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe as `listen` does, but log nothing about an incompatible QoS.
+        """Subscribe to a topic; nothing is logged about an incompatible QoS.
 
-        Use it where the QoS always fits: rclpy checks the event handlers that log at each wake-up.
+        rclpy checks the event handlers that log at each wake-up.
         """
-        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
-        return self._listen(kind, topic, callback, qos, event_callbacks=quiet)
+        name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
+        heard = _Subscription()
+
+        def on_data(data: bytes) -> None:
+            message = deserialize_message(data, kind)
+            shown = message if mask is None else mask(message)
+            self._on_message(name, kind, data if shown is message else serialize(shown))
+            callback(message)
+            heard.last = data
+            for tap in tuple(self._taps.get((name, kind), ())):
+                tap(data)
+
+        heard.subscription = self.listen_raw(kind, topic, on_data, qos)
+        self._heard[name, kind] = heard  # Only now: rclpy may have raised.
+        return heard.subscription
 
     def listen_raw(
-        self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile
+        self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile | int
     ) -> Any:
         """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get."""
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
 
     def listens(self, kind: Any, topic: str) -> bool:
-        """Return True while the node has a subscription by `listen` or `listen_quietly`."""
+        """Return True while the node has a subscription by `listen_quietly`."""
         return (topic, kind) in self._heard
 
     def tap(self, kind: Any, topic: str, callback: Callable[[bytes], None]) -> bytes | None:
@@ -99,33 +106,6 @@ class Listener(Node):
         """Return a message as `on_message` would get it: with secret values masked. Any thread."""
         mask = self._masks.get(type(message))
         return message if mask is None else mask(message)
-
-    def _listen(
-        self,
-        kind: Any,
-        topic: str,
-        callback: Callable[[Any], None],
-        qos: QoSProfile | int,
-        **options: Any,
-    ) -> Any:
-        name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
-
-        heard = _Subscription()
-
-        def on_data(data: bytes) -> None:
-            message = deserialize_message(data, kind)
-            shown = message if mask is None else mask(message)
-            self._on_message(name, kind, data if shown is message else serialize(shown))
-            callback(message)
-            heard.last = data
-            for tap in tuple(self._taps.get((name, kind), ())):
-                tap(data)
-
-        heard.subscription = self.create_subscription(
-            kind, topic, on_data, qos, raw=True, **options
-        )
-        self._heard[name, kind] = heard  # Only now: rclpy may have raised.
-        return heard.subscription
 
 
 # The serialize_message of Jazzy returns as many bytes as it had estimated, the last of which are

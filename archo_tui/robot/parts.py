@@ -23,14 +23,13 @@ from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import Listener, MessageCallback
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.readings.clocks import ClockOffsets
-from archo_tui.robot.readings.subscriptions import News
 from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
-from archo_tui.robot.state.events import ROUTINE, Event
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import MASK, level_word, linked_number, logger_node
 from archo_tui.robot.state.snapshot import Snapshot
@@ -102,7 +101,7 @@ class Parts:
         )
         self.lifecycles = Lifecycles(node, clock, services, *shows)
         self.goals = Goals(
-            *(node, clock, services, self.graph),
+            *(node, clock, services),
             *(self._on_goal_change, self.reporter.note, self._on_goal_end),
             frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
             watching,
@@ -150,16 +149,14 @@ class Parts:
 
     # What is received. All of it runs on the ROS thread.
 
-    def _on_reading(self, topic: str, news: News) -> None:
+    def _on_reading(self, topic: str, has_changed: bool) -> None:
         """Count a message with a reading, and have a snapshot sent if a value changed."""
         self.graph.on_topic_message(topic, self.clock.monotonic())
         if self.file.motion is not None and topic == self.file.motion.topic:
             self._on_motion(topic)
         self.snapshots.is_stale = True
-        if news is News.WORDS:
+        if has_changed:
             self.snapshots.send_soon()
-        elif news is News.NUMBERS:
-            self.snapshots.send_later()
 
     def _on_motion(self, topic: str) -> None:
         self.goals.on_robot_message()
@@ -194,11 +191,7 @@ class Parts:
         self.graph.on_log_line(node, self.clock.monotonic())
         # The robot's clock may differ, and the events are in order: so not by the stamp.
         level = level_word(message.level)
-        event = self.reporter.add_log_line(Event(now, level, message.name, message.msg))
-        if level in ROUTINE or event.count > 1:
-            self.snapshots.send_later()
-        else:
-            self.snapshots.send_soon()
+        self.reporter.add(Event(now, level, message.name, message.msg))
 
     def _on_stamp(self, topic: str, stamp: Any) -> None:
         """Compare the stamp in a header of a topic (full name) with this computer's clock."""

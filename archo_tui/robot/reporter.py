@@ -41,14 +41,8 @@ class Reporter:
 
     def add(self, event: Event) -> None:
         """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
-        self.add_log_line(event)
+        self._on_event(self.log.add(event))
         self._on_change()
-
-    def add_log_line(self, event: Event) -> Event:
-        """Add an event to the log and pass it to `on_event`; nothing is shown yet."""
-        added = self.log.add(event)
-        self._on_event(added)
-        return added
 
     def note(self, level: str, text: str) -> None:
         """Add an event whose source is the console."""

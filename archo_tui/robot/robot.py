@@ -118,8 +118,8 @@ class Robot(Parts):
         """Drop a part of the diagnostics, which is there again once it reports. Any thread."""
 
         def forget() -> None:
-            if self.telemetry.diagnostics.forget(part.key):
-                self.snapshots.send_soon()
+            self.telemetry.diagnostics.forget(part.key)
+            self.snapshots.send_soon()
 
         self.thread.submit(forget)
         self.note(YOU.level, YOU.source, f"diagnostics: {part.part} was forgotten")

@@ -27,7 +27,8 @@ def write(
     """A whole bag in an empty folder; their times are Unix times."""
     writer = BagWriter(folder)
     writer.add(messages)
-    writer.finish(about or {}, attached)
+    writer.attach(attached)
+    writer.finish(about or {})
     return writer
 
 

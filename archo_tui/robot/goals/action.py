@@ -52,13 +52,13 @@ class GoalAction:
         self._topics, impl = f"{kind.action}/_action", self.type.Impl
         self._results = node.create_client(impl.GetResultService, f"{self._topics}/get_result")
         # rclpy's client would drop a goal's feedback once its result is requested a second time.
-        node.listen(
+        node.listen_quietly(
             impl.FeedbackMessage,
             f"{self._topics}/feedback",
             lambda message: on_feedback(self, message),
             10,
         )
-        node.listen(
+        node.listen_quietly(
             impl.GoalStatusMessage,
             f"{self._topics}/status",
             lambda message: on_status(self, message),

@@ -6,6 +6,7 @@ No rule is here: each event goes to the machine, and what it returns is carried 
 from __future__ import annotations
 
 import itertools
+import os
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
@@ -18,11 +19,9 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import calls
 from archo_tui.robot.calls import DEADLINE, Services
-from archo_tui.robot.clients import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import GoalAction
 from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
-from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.period import Pause
 from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot.node import Listener
@@ -81,7 +80,6 @@ class Goals:
         node: Listener,
         clock: Clock,
         pending: Services,
-        graph: Graph,
         on_change: Callable[[bool], None],  # With True for a new goal or phase.
         note: Callable[[str, str], None],  # Level and text of what no verb reports any more.
         on_end: Callable[[Goal, str], None],  # Unless its verb reports the end.
@@ -90,7 +88,6 @@ class Goals:
     ) -> None:
         self._node, self._clock, self._services = node, clock, pending
         self._on_change, self._note, self._on_end = on_change, note, on_end
-        self._graph, self._console = graph, author(node.get_name())
         self._watching = watching
         self.exempt = {str(node.resolve_service_name(name)) for name in exempt}
         self._actions: dict[tuple[str, str], GoalAction] = {}  # By name and type.
@@ -226,7 +223,7 @@ class Goals:
         if action.type is None:
             return Outcome(Code.REFUSED, check.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
-        record = _Record(TrackedGoal(goal), new_goal_id(self._console), action, gate)
+        record = _Record(TrackedGoal(goal), os.urandom(16), action, gate)
         self._coming.append(record)  # From here on a cancel finds it.
         try:
             if not is_known:
@@ -442,7 +439,10 @@ class Goals:
             record.state = record.state.cancelled_with_all(now)
         ids, silent = await self._cancel_every(for_stop=True) or (set(), "")
         others = ids - ours
-        text = "; ".join(filter(None, (goals_of_others(others, self._graph.consoles), silent)))
+        count = "1 goal of another client" if len(others) == 1 else ""
+        count = count or f"{len(others)} goals of other clients"
+        found = f"cancelling {count}" if others else "no goal of another client was cancelled"
+        text = "; ".join(filter(None, (found, silent)))
         if not others:
             return Outcome(Code.TIMEOUT if silent else Code.REFUSED, text)
         return Outcome(Code.ACCEPTED, text)

@@ -15,7 +15,7 @@ from archo_tui.robot.clients import author
 from archo_tui.robot.graph.resources import SEND, Resources, Types
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.audit_records import TOPIC
-from archo_tui.robot.state.graph import NodeState, Resource, in_namespace
+from archo_tui.robot.state.graph import NodeState, Resource, in_namespace, node_states
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import package_of
 
@@ -68,8 +68,7 @@ class Graph:
         # The robot's services and actions with their types, also those that have only clients.
         self._named_services: dict[str, tuple[str, ...]] = {}
         self._named_actions: dict[str, tuple[str, ...]] = {}
-        self._last_received: dict[str, float] = {}  # By node, in monotonic seconds.
-        self._node_rates: dict[str, MessageRate] = {}
+        self._logged: dict[str, float] = {}  # By node, in monotonic seconds.
         self._topic_rates: dict[str, MessageRate] = {}
         self._publisher: dict[str, str] = {}  # The first publisher of each topic of the file.
 
@@ -79,10 +78,10 @@ class Graph:
         The QoS and the nodes of topics, services and actions are read a part at a time: on a large
         graph they are complete only after several polls.
         """
-        begun = time.thread_time()
-        changed = self._poll()
+        begun, before = time.thread_time(), self._last
+        self._poll()
         self.rest = (time.thread_time() - begun) / SHARE
-        return changed
+        return self._last != before
 
     def recheck_service(self, service: str) -> None:
         """Add a service to `offered`, and read the types of all services, if a server is there now.
@@ -108,7 +107,7 @@ class Graph:
         here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
         self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
 
-    def _poll(self) -> bool:
+    def _poll(self) -> None:
         pairs = self._node.get_node_names_and_namespaces()
         found = Counter(_full(*pair) for pair in pairs)
         names = sorted(name for name in found if self.is_ours(name))
@@ -146,28 +145,12 @@ class Graph:
         )
         servers = {name: self.duplicate_servers(name) for name in self._alone}
         self.duplicates = {name: nodes for name, nodes in servers.items() if nodes}
-        for name in set(self._node_rates) - set(names):  # Its rate is measured again if it returns.
-            del self._node_rates[name]
-        there = (
-            names,
-            offered,
-            self.actions,
-            self.served_services,
-            self.consoles,
-            self.resources,
-            self.has_clock,
-        )
-        found_now = (
-            there,
-            self.publishers,
-            self.duplicate_nodes,
-            self.other_namespaces,
+        self.names, self.offered = names, frozenset(offered)
+        self._last = (
+            *(names, offered, self.actions, self.served_services, self.consoles, self.resources),
+            *(self.has_clock, self.publishers, self.duplicate_nodes, self.other_namespaces),
             self.duplicates,
         )
-        changed = found_now != self._last
-        self._last = found_now
-        self.names, self.offered = names, frozenset(offered)
-        return changed
 
     def _record_publishers(self) -> set[str]:
         infos = self._node.get_publishers_info_by_topic(TOPIC)
@@ -249,31 +232,23 @@ class Graph:
         return found
 
     def on_topic_message(self, topic: str, now: float) -> None:
-        """Count a message for the rates of a topic of the robot file and of its first publisher."""
-        _count_message(self._topic_rates, topic, now)
-        name = self._publisher.get(topic)
-        if name is not None:
-            _count_message(self._node_rates, name, now)
-            self._last_received[name] = now
+        """Count a message for the rate of a topic of the robot file."""
+        rate = self._topic_rates.get(topic)
+        self._topic_rates[topic] = MessageRate(now) if rate is None else rate.with_message_at(now)
 
     def on_log_line(self, name: str, now: float) -> None:
         """Record that a node was heard by a log line; a name that is not in `names` is ignored."""
         if name in self.names:
-            self._last_received[name] = now
+            self._logged[name] = now
 
     def node_states(self) -> tuple[NodeState, ...]:
         """Return for every node when it was last heard, and its rate, sorted by name.
 
-        Only nodes that publish a topic of the robot file have a rate.
+        A topic of the robot file tells of its first publisher.
         """
-        return tuple(
-            NodeState(
-                name,
-                self._last_received.get(name),
-                self._node_rates[name].hertz if name in self._node_rates else None,
-            )
-            for name in self.names
-        )
+        rates = self._topic_rates.items()
+        by_node = ((self._publisher.get(topic, ""), rate) for topic, rate in rates)
+        return tuple(node_states(self.names, self._logged, by_node).values())
 
     @property
     def actions(self) -> Types:
@@ -298,10 +273,6 @@ class Graph:
         return {
             in_namespace(self.namespace, topic): rate for topic, rate in self._topic_rates.items()
         }
-
-
-def _count_message(rates: dict[str, MessageRate], name: str, now: float) -> None:
-    rates[name] = rates[name].with_message_at(now) if name in rates else MessageRate(now)
 
 
 def is_of_every_node(types: Sequence[str]) -> bool:

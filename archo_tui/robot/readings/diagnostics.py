@@ -25,7 +25,7 @@ class Diagnostics:
         self._by_key: Mapping[_Key, Diagnostic] = {}
         self._periods: dict[_Key, Period] = {}
 
-    def add(self, message: Any, now: float) -> bool:
+    def add(self, message: Any, now: float) -> None:
         """Update the table with the statuses of a DiagnosticArray.
 
         Of several statuses of one part in the array, the worst counts.
@@ -44,20 +44,16 @@ class Diagnostics:
             )
             found = {status.key: status for status in kept[:_MOST]}
         self._periods = {key: self._periods[key] for key in found}
-        return self._replace_by(found)
+        self._replace_by(found)
 
-    def forget(self, key: tuple[str, str]) -> bool:
-        """Drop the part of a name and hardware id; return False if there is none."""
+    def forget(self, key: tuple[str, str]) -> None:
+        """Drop the part of a name and hardware id."""
         self._periods.pop(key, None)
-        return self._replace_by({k: status for k, status in self._by_key.items() if k != key})
+        self._replace_by({k: status for k, status in self._by_key.items() if k != key})
 
-    def _replace_by(self, found: Mapping[_Key, Diagnostic]) -> bool:
-        """Set all statuses; return True if a level differs, or a part came or went."""
-        levels = {key: status.level for key, status in found.items()}
-        changed = levels != {key: status.level for key, status in self._by_key.items()}
+    def _replace_by(self, found: Mapping[_Key, Diagnostic]) -> None:
         self._by_key = found
         self.all = tuple(found[key] for key in sorted(found))
-        return changed
 
 
 def _worst(statuses: Iterable[Any], now: float) -> Iterable[Diagnostic]:
