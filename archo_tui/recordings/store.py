@@ -52,28 +52,18 @@ class Recording(NamedTuple):
         return self.folder.name
 
 
-def _read_metadata(folder: Path) -> dict[str, Any]:
-    import yaml
-
-    try:
-        found = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
-    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        raise ValueError(f"{folder.name}: {METADATA} does not describe a bag")
-    return found
-
-
 def read_recording(folder: Path) -> Recording:
     """Return what `metadata.yaml` says of a bag, also of another tool's; `bytes` is left out.
 
     Raises OSError if it cannot be read, ValueError if it does not describe a bag.
     """
-    bag = _read_metadata(folder)
-    custom = bag.get("custom_data")
-    ours = custom if isinstance(custom, dict) else {}
-    why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
+    import yaml
+
     try:
+        bag = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
+        custom = bag.get("custom_data")
+        ours = custom if isinstance(custom, dict) else {}
+        why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
         return Recording(
             folder,
             _checked_count(bag["starting_time"]["nanoseconds_since_epoch"]) / 1e9,
@@ -84,7 +74,7 @@ def read_recording(folder: Path) -> Recording:
             int(number) if _NUMBER.fullmatch(number) else 0,
             int(at) / 1e9 if _NANOSECONDS.fullmatch(at) else None,
         )
-    except (KeyError, TypeError, ValueError):
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
         raise ValueError(f"{folder.name}: {METADATA} does not describe a bag") from None
 
 
@@ -92,18 +82,6 @@ def _checked_count(value: Any) -> int:
     if not isinstance(value, int) or not 0 <= value < _MAX_COUNT:
         raise ValueError(value)
     return value
-
-
-def missing_parts(path: Path) -> list[str]:
-    """Return the names of .mcap files that the `metadata.yaml` of a bag names and that are gone."""
-    try:
-        named = _read_metadata(path).get("relative_file_paths")
-    except (OSError, ValueError):  # A single file, or a bag whose writer was killed.
-        return []
-    texts = filter(lambda name: isinstance(name, str), named if isinstance(named, list) else ())
-    names = [os.path.basename(name).removesuffix(".zstd") for name in texts]
-    # Unlike Path.exists, os.path.exists returns False for names that are too long.
-    return [n for n in names if n.endswith(".mcap") and not os.path.exists(path / n)]
 
 
 def list_recordings(folder: Path) -> list[Recording]:

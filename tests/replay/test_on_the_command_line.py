@@ -71,18 +71,6 @@ def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_pa
     ]
 
 
-def test_the_text_ends_with_the_part_that_is_missing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path, drain(seconds=2))
-    metadata = tmp_path / store.METADATA
-    part = "  - recording_0.mcap\n"
-    metadata.write_text(metadata.read_text().replace(part, f"{part}  - recording_1.mcap\n"))
-    assert cli.main(["replay", "--text", str(tmp_path)]) == 0
-    said = capsys.readouterr().out.splitlines()[-1]
-    assert said == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
-
-
 async def test_without_a_name_the_newest_is_meant() -> None:
     async with console(*LONG) as op:
         await op.press("ctrl+x")

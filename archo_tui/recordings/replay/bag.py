@@ -10,18 +10,17 @@ mcap-ros2-support decodes without a class. It does not serve here: it refuses na
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 from archo_tui.errors import ArchoError
-from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
     MAGIC,
@@ -49,37 +48,18 @@ _Field = tuple[str, str, str]  # Element type, array form, name.
 _Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name`.
 
 
-class InstalledTypes:
-    """A cache of installed message classes by type and definition, for all files of one bag."""
+@lru_cache(200)
+def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
+    """Return the class of `package/kind/Name`, or raise Unreadable.
 
-    def __init__(self) -> None:
-        self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
-
-    def find_class(self, type_name: str, encoding: str, text: bytes) -> Any:
-        """Return the class of `package/kind/Name`, or raise Unreadable.
-
-        Definitions in another encoding than `ros2msg` are not compared.
-        """
-        given = b"\0".join((type_name.encode(), encoding.encode(), text))
-        key = hashlib.sha256(given).digest()
-        if key not in self._found:
-            try:
-                self._found[key] = _find_class(type_name, encoding, text.decode(errors="replace"))
-            except Unreadable as error:
-                self._found[key] = str(error)
-        found = self._found[key]
-        if isinstance(found, str):
-            raise Unreadable(found)
-        return found
-
-
-def _find_class(type_name: str, encoding: str, text: str) -> Any:
+    Definitions in another encoding than `ros2msg` are not compared.
+    """
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:
         raise Unreadable(f"{type_name} is not installed here")
     root = f"{parts.package}/{parts.name}"
-    theirs = _parse_layout(text, root)
+    theirs = _parse_layout(definition_text.decode(errors="replace"), root)
     ours = _parse_layout(definition(made), root)  # It has the messages within it, and no others.
     if encoding == "ros2msg" and any(theirs.get(name) != ours[name] for name in ours):
         raise Unreadable(f"{type_name} has other fields here than in the file")
@@ -220,7 +200,7 @@ class BagFile:
         """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
         self.path, self.count, self.robot = path, 0, ""
         self.types: dict[str, str] = {}
-        self._faults, self._installed = Faults(), InstalledTypes()
+        self._faults = Faults()
         self._parts: list[_FilePart] = []
         first, last, refused, files = 2**64, 0, list[ArchoError](), _mcap_files(path)
         budget = Budget()
@@ -237,8 +217,6 @@ class BagFile:
             raise refused[0]
         for refusal in refused:
             self._faults.add(str(refusal))
-        for name in store.missing_parts(path):
-            self._faults.add(f"{name} is missing: metadata.yaml names it as a part of this bag")
         self.start, self.end = (first / 1e9, last / 1e9) if self.count else (0.0, 0.0)
         self._parts.sort(key=lambda file_part: file_part.part.start)
 
@@ -352,7 +330,7 @@ class BagFile:
                     raise Unreadable(f"encoded as {encoding or 'nothing known'}, not cdr")
                 if schema is None:
                     raise Unreadable("its type is not named")
-                kind = self._installed.find_class(schema.name, schema.encoding, schema.data)
+                kind = _find_class(schema.name, schema.encoding, schema.data)
                 if self.types.setdefault(topic, schema.name) != schema.name:
                     raise Unreadable(f"{schema.name}, where {self.types[topic]} came before")
                 if schema.encoding != "ros2msg":
