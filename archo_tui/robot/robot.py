@@ -13,10 +13,9 @@ from archo_tui.robot import calls
 from archo_tui.robot.clients import YOU, current_requester
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.poller import Poller
-from archo_tui.robot.requests import goals as goal_requests
+from archo_tui.robot.requests import commands
 from archo_tui.robot.requests import nodes as node_requests
 from archo_tui.robot.requests import publish as publish_requests
-from archo_tui.robot.requests import services as service_requests
 from archo_tui.robot.requests import topics as topic_requests
 from archo_tui.robot.snapshot_sender import Receiver
 from archo_tui.robot.state.audit_records import AuditRecord
@@ -33,21 +32,21 @@ class Robot(Parts):
 
     _poller: Poller
 
-    emergency_stop = service_requests.emergency_stop
-    release_emergency_stop = service_requests.release_emergency_stop
-    give_up_stop = service_requests.give_up_stop
-    early_stop_request = service_requests.early_stop_request
-    on_early_stop = service_requests.on_early_stop
+    emergency_stop = commands.emergency_stop
+    release_emergency_stop = commands.release_emergency_stop
+    give_up_stop = commands.give_up_stop
+    early_stop_request = commands.early_stop_request
+    on_early_stop = commands.on_early_stop
 
-    send = goal_requests.send
-    cancel = goal_requests.cancel
-    cancel_all = goal_requests.cancel_all
-    stop_sending_goals = goal_requests.stop_sending_goals
-    allow_sending_goals = goal_requests.allow_sending_goals
-    end_goals_of_node = goal_requests.end_goals_of_node
+    send = commands.send
+    cancel = commands.cancel
+    cancel_all = commands.cancel_all
+    stop_sending_goals = commands.stop_sending_goals
+    allow_sending_goals = commands.allow_sending_goals
+    end_goals_of_node = commands.end_goals_of_node
 
-    command = service_requests.command
-    call = service_requests.call
+    command = commands.command
+    call = commands.call
 
     set_parameters = node_requests.set_parameters
     on_parameters_restored = node_requests.on_parameters_restored

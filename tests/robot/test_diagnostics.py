@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.readings.diagnostics import Diagnostics
+from archo_tui.robot.readings.telemetry import Diagnostics
 from archo_tui.robot.state.readings import DiagnosticLevel
 
 pytestmark = pytest.mark.pure

@@ -17,8 +17,7 @@ from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
 from archo_tui.robot.graph.interface_checks import forms_of
 from archo_tui.robot.messages.period import MessageRate
-from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.readings.telemetry import Diagnostics, Telemetry
 from archo_tui.robot.state.events import OWN_LEVELS, Event, EventLog, LineCounter
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import (

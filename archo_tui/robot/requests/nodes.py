@@ -24,7 +24,7 @@ from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests.run import late_report, run
+from archo_tui.robot.requests.commands import late_report, run
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import LEVELS, LogLevel, Names, NodeInfo, TopicInfo
 from archo_tui.robot.stop.gate import Gate

@@ -15,7 +15,7 @@ from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests.run import run
+from archo_tui.robot.requests.commands import run
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.stop.gate import HOLDS, Gate
 from archo_tui.robot.topics.publications import Publication
