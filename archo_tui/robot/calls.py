@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -52,7 +51,7 @@ class Services:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clients: dict[tuple[str, Any], Any] = {}
-        self._awaited: Counter[Any] = Counter()  # The calls of each client that wait.
+        self._awaited: list[Any] = []  # The clients whose calls wait, one for each call.
         # Requests of an operator, by turn. A release that is carried out late undoes a later STOP,
         # so its answer must not be missed.
         self._unanswered: dict[int, tuple[Any, Any]] = {}
@@ -107,12 +106,12 @@ class Services:
 
             return future.result() if await self._in_time(future, wait, on_end) else None
         self.cancel_at_deadline(future, client)
-        self._awaited[client] += 1
+        self._awaited.append(client)
         answer = await future
-        self._awaited[client] -= 1
+        self._awaited.remove(client)
         key = (name, srv_type)
         is_kept = self._clients.get(key) is client
-        if once and answer is not None and is_kept and not self._awaited[client]:
+        if once and answer is not None and is_kept and client not in self._awaited:
             self._node.destroy_client(self._clients.pop(key))
         return answer
 

@@ -32,7 +32,7 @@ from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import MASK, level_word, linked_number, logger_node
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.topics.frames import FrameListener
@@ -166,7 +166,9 @@ class Parts:
         # One of several robots tells nothing about the others.
         if stop is not None and stop.service not in self.graph.duplicates:
             self.stop_sender.on_motion(motion)
-        self.changes.on_motion(motion, self.clock.monotonic())
+        # A node that was restarted reports what nobody has done.
+        if self.stop_sender.stop.latch is not Latch.UNCERTAIN:
+            self.changes.on_motion(motion, self.clock.monotonic())
 
     def _on_transforms(self) -> None:
         self.snapshots.is_stale = True  # They are shown in the snapshot of each second.

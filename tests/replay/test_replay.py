@@ -26,7 +26,8 @@ async def test_at_each_moment_is_shown_what_was_shown_live(size: tuple[int, int]
             await op.at(floor(clock.seconds()) + 1.3)
             await op.session.robot.wait_for_events()  # else it may be up to a second old
             await op.settle()
-            live.append((op.session.station.clock.now(), shown(op.app)))
+            # A message of this very moment was recorded up to a microsecond later.
+            live.append((op.session.station.clock.now() + 1e-6, shown(op.app)))
             await op.at(clock.seconds() + 0.05)
 
         await op.press("g", *"12", "enter")

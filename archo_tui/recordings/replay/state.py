@@ -307,7 +307,10 @@ class ReplayState:
         rates = self._message_rates
         by_node = ((t.nodes[0], rates[t.name]) for t in topics if t.name in rates)
         found = node_states([node.name for node in state.nodes], self._logged, by_node)
-        return tuple(found[n.name]._replace(lifecycle=n.lifecycle) for n in state.nodes)
+        return tuple(
+            found[n.name]._replace(lifecycle=n.lifecycle, rate=found[n.name].rate or n.rate)
+            for n in state.nodes
+        )
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
         """Return the alarms at a Unix time, those that are not over with their text of then.
