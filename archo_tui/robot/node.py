@@ -16,14 +16,6 @@ from archo_tui.robot.messages.types import element_of
 MessageCallback = Callable[[str, Any, bytes], None]
 
 
-class _Subscription:
-    """A subscription with its last message; None before the first."""
-
-    def __init__(self) -> None:
-        self.subscription: Any = None
-        self.last: bytes | None = None
-
-
 class Listener(Node):
     """A node that calls `on_message` with each message, before the callback of its subscription.
 
@@ -39,10 +31,6 @@ class Listener(Node):
     ) -> None:
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
-        # By full topic and message class.
-        self._heard: dict[tuple[str, Any], _Subscription] = {}
-        # The same; they outlast a subscription that is replaced by one with another QoS.
-        self._taps: dict[tuple[str, Any], list[Callable[[bytes], None]]] = {}
 
     def listen_quietly(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -52,55 +40,21 @@ class Listener(Node):
         rclpy checks the event handlers that log at each wake-up.
         """
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
-        heard = _Subscription()
 
         def on_data(data: bytes) -> None:
             message = deserialize_message(data, kind)
             shown = message if mask is None else mask(message)
             self._on_message(name, kind, data if shown is message else serialize(shown))
             callback(message)
-            heard.last = data
-            for tap in tuple(self._taps.get((name, kind), ())):
-                tap(data)
 
-        heard.subscription = self.listen_raw(kind, topic, on_data, qos)
-        self._heard[name, kind] = heard  # Only now: rclpy may have raised.
-        return heard.subscription
+        return self.listen_raw(kind, topic, on_data, qos)
 
     def listen_raw(
         self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get."""
+        """Subscribe to a topic for messages as bytes, which `on_message` does not get."""
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
-
-    def listens(self, kind: Any, topic: str) -> bool:
-        """Return True while the node has a subscription by `listen_quietly`."""
-        return (topic, kind) in self._heard
-
-    def tap(self, kind: Any, topic: str, callback: Callable[[bytes], None]) -> bytes | None:
-        """Call a function with each message of a subscription; return the last one, or None.
-
-        The messages are as received, secrets included. The function stays when the subscription is
-        replaced.
-
-        Raises:
-            KeyError: The node does not listen to the topic.
-        """
-        self._taps.setdefault((topic, kind), []).append(callback)
-        return self._heard[topic, kind].last
-
-    def untap(self, callback: Callable[[bytes], None]) -> None:
-        """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""
-        for taps in self._taps.values():
-            if callback in taps:
-                taps.remove(callback)
-
-    def destroy_subscription(self, subscription: Any) -> bool:
-        for key, heard in tuple(self._heard.items()):
-            if heard.subscription is subscription:
-                del self._heard[key]
-        return super().destroy_subscription(subscription)
 
     def without_secrets(self, message: Any) -> Any:
         """Return a message as `on_message` would get it: with secret values masked. Any thread."""

@@ -54,7 +54,6 @@ class Inspection:
         self._on_data, self._depth = on_data, depth
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
-        self._is_tap = False  # True while the messages are those of another subscription.
         self._qos: QoSProfile | None = None
         # The last message: its number, counted from 1, and its bytes; (0, b"") before the first.
         self.newest: tuple[int, bytes] = (0, b"")
@@ -68,17 +67,7 @@ class Inspection:
         self.greatest: float | None = None  # The longest time between two messages, in seconds.
 
     def subscribe(self) -> None:
-        """Begin to count, with a QoS that fits the present publishers. ROS thread only.
-
-        If the node listens to the topic already, no second subscription is made: its messages are
-        counted, the last one that it received at once.
-        """
-        self._is_tap = self._node.listens(self._class, self.topic)
-        if self._is_tap:
-            last = self._node.tap(self._class, self.topic, self._take)
-            if last is not None and not self.count:
-                self._take(last, was_kept=True)
-            return
+        """Begin to count, with a QoS that fits the present publishers. ROS thread only."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         self._qos = fitting_qos(publishers, self._depth)
         if self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
@@ -86,15 +75,10 @@ class Inspection:
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
 
     def resubscribe_if_needed(self) -> None:
-        """Subscribe again if the publishers, or the node's other subscription, have changed.
+        """Subscribe again if the QoS fits the publishers no more; the counts go on.
 
-        Nothing is done while the QoS still fits, or without publishers. The counts go on. ROS
-        thread only.
+        ROS thread only.
         """
-        if self._node.listens(self._class, self.topic) != self._is_tap:
-            self.unsubscribe()
-            self.subscribe()
-            return
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if self._subscription is None or not publishers:
             return
@@ -105,14 +89,13 @@ class Inspection:
 
     def unsubscribe(self) -> None:
         """End the subscription, if there is one; the counts stay. ROS thread only."""
-        self._node.untap(self._take)
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
 
-    def _take(self, data: bytes, *, was_kept: bool = False) -> None:
+    def _take(self, data: bytes) -> None:
         now = self._clock.monotonic()
-        was_kept = was_kept or now < self._kept_until
+        was_kept = now < self._kept_until
         if was_kept:
             self.kept, self.kept_size = self.kept + 1, self.kept_size + len(data)
         elif self.count == self.kept:
