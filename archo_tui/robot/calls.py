@@ -14,7 +14,6 @@ from rclpy.task import Future
 from archo_tui.robot.stop.gate import Gate
 
 LATE = 20.0  # Seconds in which a late answer to a STOP is still received.
-MOST_UNANSWERED = 1000  # Requests of an operator whose answers are received however late.
 DEADLINE = 2.0  # Seconds for an answer.
 QUESTION_TIMEOUT = 2 * DEADLINE  # Seconds for a question that the ROS thread asks a node.
 
@@ -52,12 +51,10 @@ class Services:
         self._node = node
         self._clients: dict[tuple[str, Any], Any] = {}
         self._awaited: list[Any] = []  # The clients whose calls wait, one for each call.
-        # Requests of an operator, by turn. A release that is carried out late undoes a later STOP,
-        # so its answer must not be missed.
-        self._unanswered: dict[int, tuple[Any, Any]] = {}
         self.steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
         self._turns = itertools.count(1)
-        # Called with the turn of an operator's request when it is answered, however late.
+        # Called with the turn of an operator's request when it is answered, however late: a release
+        # that is carried out late undoes a later STOP.
         self.on_answered: Callable[[int], None] = lambda _: None
 
     def client(self, srv_type: Any, name: str) -> Any:
@@ -97,7 +94,6 @@ class Services:
         turn = self.next_turn()
         future = client.call_async(request)
         if gate is not None:
-            self._keep_until_answered(turn, future, client)
 
             def on_end(is_late: bool) -> None:
                 self.on_answered(turn)
@@ -114,15 +110,6 @@ class Services:
         if once and answer is not None and is_kept and client not in self._awaited:
             self._node.destroy_client(self._clients.pop(key))
         return answer
-
-    def _keep_until_answered(self, turn: int, future: Any, client: Any) -> None:
-        """Keep a request until it is answered; beyond MOST_UNANSWERED, cancel the oldest one."""
-        self._unanswered[turn] = future, client
-        future.add_done_callback(lambda _: self._unanswered.pop(turn, None))
-        if len(self._unanswered) > MOST_UNANSWERED:
-            oldest, oldest_client = self._unanswered.pop(next(iter(self._unanswered)))
-            oldest_client.remove_pending_request(oldest)
-            oldest.cancel()
 
     def next_turn(self) -> int:
         """Take and return the next number in the order in which requests leave; the first is 1."""
