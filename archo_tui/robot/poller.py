@@ -45,7 +45,7 @@ class Poller:
             reporter.warn(text)
         robot.telemetry.resubscribe()
         robot.frames.update()
-        robot.lifecycles.poll(graph.served_services)
+        robot.lifecycles.poll(graph.listed.services)
         for text in robot.changes.take_due(robot.clock.monotonic()):
             reporter.note("PEER", text)
         faults = self._find_faults()
@@ -74,7 +74,7 @@ class Poller:
         self._consoles = now
 
     def _report_mismatches(self) -> None:
-        mismatches = [text for found in self._robot.graph.resources for text in found.mismatches]
+        mismatches = [text for found in self._robot.graph.listed.all for text in found.mismatches]
         for text in mismatches:
             if text not in self._mismatches:
                 self._robot.reporter.warn(text)

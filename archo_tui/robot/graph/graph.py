@@ -12,10 +12,10 @@ from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public n
 from rclpy.node import Node
 
 from archo_tui.robot.clients import author
-from archo_tui.robot.graph.resources import SEND, Resources, Types
+from archo_tui.robot.graph.resources import SEND, Resources
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.audit_records import TOPIC
-from archo_tui.robot.state.graph import NodeState, Resource, in_namespace, node_states
+from archo_tui.robot.state.graph import NodeState, in_namespace, node_states
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import package_of
 
@@ -64,7 +64,7 @@ class Graph:
         # The seconds to wait after a poll, so that polls take no more time than SHARE.
         self.rest = 0.0
         self._last: object = None  # What the last poll found, as far as a snapshot shows it.
-        self._resources = Resources(node, self.is_ours)
+        self.listed = Resources(node, self.is_ours)  # What the robot offers.
         # The robot's services and actions with their types, also those that have only clients.
         self._named_services: dict[str, tuple[str, ...]] = {}
         self._named_actions: dict[str, tuple[str, ...]] = {}
@@ -137,7 +137,7 @@ class Graph:
                 offered.add(action)
             self._read_action(action)
         end = time.thread_time() + _SLICE
-        self._resources.poll(
+        self.listed.poll(
             frozenset(pairs),
             self._named_services,
             self._named_actions,
@@ -146,8 +146,9 @@ class Graph:
         servers = {name: self.duplicate_servers(name) for name in self._alone}
         self.duplicates = {name: nodes for name, nodes in servers.items() if nodes}
         self.names, self.offered = names, frozenset(offered)
+        listed = self.listed
         self._last = (
-            *(names, offered, self.actions, self.served_services, self.consoles, self.resources),
+            *(names, offered, listed.actions, listed.services, listed.all, self.consoles),
             *(self.has_clock, self.publishers, self.duplicate_nodes, self.other_namespaces),
             self.duplicates,
         )
@@ -249,24 +250,6 @@ class Graph:
         rates = self._topic_rates.items()
         by_node = ((self._publisher.get(topic, ""), rate) for topic, rate in rates)
         return tuple(node_states(self.names, self._logged, by_node).values())
-
-    @property
-    def actions(self) -> Types:
-        """The types of every action of the robot that is served, by its full name."""
-        return self._resources.actions
-
-    @property
-    def served_services(self) -> Types:
-        """The types of every service of the robot that is served, by its full name.
-
-        Services that every node has are left out.
-        """
-        return self._resources.services
-
-    @property
-    def resources(self) -> tuple[Resource, ...]:
-        """The robot's topics, services and actions; the same object until something changes."""
-        return self._resources.all
 
     def message_rates(self) -> dict[str, MessageRate]:
         """Return the rate of each topic of the robot file that was received, by its full name."""

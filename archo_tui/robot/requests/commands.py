@@ -166,7 +166,7 @@ def _refusal(robot: Parts, kind: GoalKind, gate: Gate, *, queued: bool) -> Outco
 def _with_inactive_server(robot: Parts, action: str, outcome: Outcome) -> Outcome:
     """Add the managed servers that are not active to the text of a refusal."""
     full = robot.checks.full(action)
-    found = (r.nodes for r in robot.graph.resources if (r.kind, r.name) == (ACTION, full))
+    found = (r.nodes for r in robot.graph.listed.all if (r.kind, r.name) == (ACTION, full))
     states = {node: robot.lifecycles.word(node) for nodes in found for node in nodes}
     idle = [f"{node} is {word}" for node, word in states.items() if word not in ("", "active")]
     if outcome.code is not Code.REFUSED or not idle:
@@ -366,7 +366,7 @@ async def emergency_stop(robot: Parts) -> Outcome:
 async def _cancel_instead_of_stop(robot: Parts) -> Outcome:
     async def cancel(_: Gate) -> Outcome:
         outcome = await robot.goals.cancel_all(
-            robot.graph.actions, robot.begun + FIRST_FOUND, for_stop=True
+            robot.graph.listed.actions, robot.begun + FIRST_FOUND, for_stop=True
         )
         reason = f"{robot.file.name} {NO_STOP}"
         return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
