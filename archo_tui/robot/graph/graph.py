@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -210,13 +210,10 @@ class Graph:
         The ids are those of the node's publishers of /parameter_events. Every node of rclcpp and
         rclpy has one; another node has no ids, and its restart is not noticed.
         """
-        ids = _ids_by_node(self._node.get_publishers_info_by_topic("/parameter_events"))
-        return {node: ids.get(node, frozenset()) for node, _ in self._servers(service)}
-
-    def publisher_ids(self, topic: str) -> frozenset[bytes]:
-        """Return the ids of a topic's present publishers, which change at a node's restart."""
-        by_node = _ids_by_node(self._node.get_publishers_info_by_topic(topic))
-        return frozenset().union(*by_node.values())
+        ids = defaultdict[str, set[bytes]](set)
+        for info in self._node.get_publishers_info_by_topic("/parameter_events"):
+            ids[_full(*_of(info))].add(bytes(info.endpoint_gid))
+        return {node: frozenset(ids[node]) for node, _ in self._servers(service)}
 
     def served_types(self, name: str) -> list[str]:
         """Return the types with which nodes serve a service now, sorted; every node is asked."""
@@ -270,14 +267,6 @@ def is_hidden(name: str) -> bool:
 
 def _action_types(infos: Any) -> tuple[str, ...]:
     return tuple(sorted({info.topic_type.removesuffix("_FeedbackMessage") for info in infos}))
-
-
-def _ids_by_node(infos: Any) -> dict[str, frozenset[bytes]]:
-    found: dict[str, frozenset[bytes]] = {}
-    for info in infos:
-        name = _full(*_of(info))
-        found[name] = found.get(name, frozenset()) | {bytes(info.endpoint_gid)}
-    return found
 
 
 def _of(info: Any) -> tuple[str, str]:
