@@ -1,4 +1,4 @@
-"""The record that a console leaves to the process that takes its place when it restarts."""
+"""What a console leaves to other processes: its record at a restart, its STOP in a replay."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 _VARIABLE = "ARCHO_TUI_HANDOVER"  # Names the file with the record.
+# Names the descriptor of the socket to the console in whose terminal a replay runs.
+CONSOLE_SOCKET = "ARCHO_TUI_CONSOLE_SOCKET"
+READY, GO, STOP = b"r", b"g", b"s"  # It could draw; it may; STOP's key was pressed.
 
 
 class Handover(NamedTuple):

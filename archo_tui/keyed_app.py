@@ -5,18 +5,14 @@ from __future__ import annotations
 import asyncio
 import math
 import string
-from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import Binding
-from textual.geometry import Region
-from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
 
-from archo_tui.commands.base import EVERYWHERE, Command, ConsoleApp, Desk
+from archo_tui.commands.base import EVERYWHERE, Command, Desk
 from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import (
@@ -28,19 +24,16 @@ from archo_tui.terminal.stop_marks import (
     stops_before,
     typed_after,
 )
+from archo_tui.widgets.bars import NoticeLine
 from archo_tui.widgets.field import Field
-from archo_tui.widgets.notices import NoticeLine
 from archo_tui.widgets.rows import Rows
-
-if TYPE_CHECKING:
-    from archo_tui.commands.replay import ReplayDesk
 
 # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s. They count
 # to when the key was surely not typed yet, which is 0.1 s earlier on an idle machine.
 HELD = 0.7
 
 
-class KeyedApp(ConsoleApp):
+class KeyedApp(Desk):
     """The base of the app, which passes keys and clicks to commands or to the focused widget.
 
     STOP acts at once. The others act one after the other, each when the one before is done.
@@ -52,21 +45,14 @@ class KeyedApp(ConsoleApp):
 
     def __init__(self, station: Station, theme: str) -> None:
         super().__init__(station, theme)
-        self.replay: ReplayDesk | None = None  # Over the live console; keys are the replay's.
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
-        self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
         self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
         self._is_typed = False  # True if the current key goes to the focused widget.
         self._last_key, self._last_typed = "", 0.0
         self._last_stops: int | None = None  # The count of STOPs read before the last input.
         self._acted: tuple[object, ...] = ()  # Where the last key acted.
-        self._pressed_stop = self._pressed_gone = False
-        self._gone_notice = Region(), -math.inf  # Where it was, and the `event.time` of its end.
-        self._shut_since: float | None = None  # When a STOP closed the dialog that keys were for.
-        self._shut_said = False  # True once a message told of dropped keys.
-        self._shut_by = ""  # What closed it.
-        self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
+        self._pressed_stop = False
         self._swallows = False  # True if enter is held, and a message has explained that.
         self._last_read = -math.inf  # The `event.time` of the last key or click.
         self._read = InputTime(-math.inf, math.inf)  # Of that, however late it is handled.
@@ -76,20 +62,15 @@ class KeyedApp(ConsoleApp):
         """True once a key, a paste or a click was read."""
         return self._last_read > -math.inf
 
-    @property
-    def front(self) -> Desk:
-        """Return what keys act on: the replay while one is shown, else this console."""
-        return self.replay or self
-
-    def bind_commands(self, desk: Desk) -> None:
+    def bind_commands(self) -> None:
         """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
         check_action gives letters back to a field. A key loses what else it was bound to, but not
         the other commands that share it. App.bind has no priority, and a keymap of Textual's drops
         commands that share a key.
         """
-        for command in desk.registry:
-            key, action = desk.keys[command.id], f"command('{command.id}')"
+        for command in self.registry:
+            key, action = self.keys[command.id], f"command('{command.id}')"
             if not key:
                 continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
@@ -138,41 +119,16 @@ class KeyedApp(ConsoleApp):
             await self._hand_on(event, repeated)
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
-        """Handle a key or a click, unless it was meant for a dialog or a notice that has gone."""
+        """Handle a key or a click, unless it was meant for a dialog that has gone."""
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._works_everywhere(event):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
                 return
-        if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
-            return
         is_key = isinstance(event, events.Key) and not repeated
         if is_key and isinstance(self.screen, (Dialog, MainScreen)):
             self.screen.forget_refusal()
         await self._handle(event, repeated)
-
-    def closed_by_stop(self, why: str) -> None:
-        """Drop the keys typed for a dialog that a STOP closed, or kept from opening.
-
-        Those are the keys read before that STOP, and those that follow at once; not those that work
-        everywhere. `why` is shown if a key is dropped.
-        """
-        self._answers_void = self.stops.count
-        self.drop_following_keys(why)
-
-    def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once, typed for a dialog that closed by itself.
-
-        Keys follow at once if less than HELD passes between them. Escape and those that work
-        everywhere still act. `why` is shown if a key is dropped.
-        """
-        self._shut_by, self._shut_said = why, False
-        self._shut_since = self.station.clock.monotonic()
-
-    def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which all following keys go; none is dropped any more."""
-        self._shut_since = None
-        self.push_screen(dialog)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
         """Return True, with a message the first time, if a key was for a dialog just closed."""
@@ -198,8 +154,7 @@ class KeyedApp(ConsoleApp):
         self.repeated = before  # Of the key that is being handled.
 
     def _works_everywhere(self, event: events.Event) -> bool:
-        front = self.front
-        free = {front.keys[c.id] for c in front.registry if c.where == EVERYWHERE}
+        free = {self.keys[c.id] for c in self.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
     def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
@@ -210,12 +165,10 @@ class KeyedApp(ConsoleApp):
         if isinstance(event, events.MouseUp) and self._pressed_stop:
             self._pressed_stop = False
             return True
-        if not isinstance(event, events.MouseDown) or self.replay is not None:
-            return False  # A replay hides the button.
-        if not self.main.shows_stop_at(event.x, event.y):
+        if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
-        is_leaving = isinstance(front, Dismissable) and front.is_dismissed
+        is_leaving = isinstance(front, Dialog) and front.is_dismissed
         stands = front is not self.main and not is_leaving
         pressed = (widget for widget, _ in front.get_widgets_at(event.x, event.y))
         if stands and next(w for w in pressed if not isinstance(w, NoticeLine)) is not front:
@@ -224,21 +177,6 @@ class KeyedApp(ConsoleApp):
         self.repeated = False
         self.action_command("stop")
         return True
-
-    def _is_for_gone_notice(self, event: events.MouseEvent) -> bool:
-        """Return True for a press, and its release, where a notice has gone less than HELD before.
-
-        It was meant for that notice, as the second press of a double click is. What lies below may
-        command the robot.
-        """
-        if isinstance(event, events.MouseUp) and self._pressed_gone:
-            self._pressed_gone = False
-            return True
-        region, since = self._gone_notice
-        is_there = isinstance(event, events.MouseDown) and region.contains(event.x, event.y)
-        read = input_of(event)
-        self._pressed_gone = is_there and read is not None and read.at - since < HELD
-        return self._pressed_gone
 
     def _record_input(self, event: events.Event) -> bool:
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
@@ -343,7 +281,7 @@ class KeyedApp(ConsoleApp):
     def _is_changing(self) -> bool:
         if not self.screen_stack or not self.screen.is_mounted:
             return True
-        return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
+        return isinstance(self.screen, Dialog) and self.screen.is_dismissed
 
     def _takes(self, event: events.Event) -> bool:
         """Return True if an event can be handled now: what came before is done, its target there.
@@ -355,7 +293,7 @@ class KeyedApp(ConsoleApp):
             return False
         if isinstance(event, events.MouseDown) and not self._is_drawn:
             return False
-        if isinstance(self.screen, Dismissable) and self.screen.is_asking:
+        if isinstance(self.screen, Dialog) and self.screen.is_asking:
             return self._works_everywhere(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._works_everywhere(event)
 
@@ -392,7 +330,7 @@ class KeyedApp(ConsoleApp):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return True if the action of a key acts now, False if the key is left to others."""
-        main = self.front.main
+        main = self.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             leads_out = field is not None or main.search is not None or main.is_full
@@ -411,13 +349,8 @@ class KeyedApp(ConsoleApp):
 
     def _is_text(self, command: Command, field: Input) -> bool:
         """Return True if a field takes the key of a command itself: as text, or to edit."""
-        key = self.front.shown_keys[command.id]
+        key = self.shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
-
-    def _find_command(self, name: str) -> Command | None:
-        """Return the command with an id, of the replay while one is shown, but for STOP."""
-        registry = self.registry if name == "stop" else self.front.registry
-        return next((command for command in registry if command.id == name), None)
 
     def action_digit(self, name: str) -> None:
         """Run the command of a digit that was typed with alt, or directly behind an escape."""
@@ -425,7 +358,7 @@ class KeyedApp(ConsoleApp):
 
     def action_leave_field(self) -> None:
         """Leave the field, the search or the full screen: the first that applies."""
-        main = self.front.main
+        main = self.main
         search = main.search
         if isinstance(self.focused, Input):
             main.focus_back()

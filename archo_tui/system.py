@@ -8,6 +8,7 @@ import os
 import signal
 import stat
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 # The signals that ask the console to end; SIGHUP and SIGQUIT are POSIX's.
@@ -27,6 +28,14 @@ def user_name() -> str:
     if sys.platform != "win32" and hasattr(os, "getuid"):
         return str(os.getuid())
     return "unknown"
+
+
+def command_line(given: Sequence[str]) -> list[str]:
+    """Return the command line that starts this program, from its zip file or by its module."""
+    from zipfile import is_zipfile
+
+    program = [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
+    return [sys.executable, *program, *given]
 
 
 def lock(descriptor: int) -> bool:

@@ -76,7 +76,7 @@ _POSIX = {
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
     *("test_without_a_console", "test_with_a_console", "test_its_connection"),
     *("test_what_it_reads", "test_how_it_asks", "test_console_connection"),
-    *("test_which_console", "test_what_a_stop_is", "test_options"),
+    *("test_which_console", "test_what_a_stop_is", "test_options", "test_in_the_console"),
 }
 
 

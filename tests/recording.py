@@ -33,21 +33,15 @@ STORY: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("ctrl+p", "s", "p"), "max_speed", 2.5),
     (("enter",), "0.05 .. 2", 1.5),
     ((*"0.4",), "0.4", 1.5),
-    (("enter",), "max_speed 0.4: was 0.8", 2.5),
+    (("enter",), "max_speed is 0.4, was 0.8", 2.5),
     ((), "LOW BATTERY", 3.0),
     (("a",), " 4[5-9] %", 1.5),
     (("ctrl+x",), "STOPPED", 4.0),
     (("R",), "Release", 2.5),
     (("y",), "● IDLE", 3.0),
 )
-# what the STOP has recorded, played over the live console
-PLAYED: tuple[tuple[tuple[str, ...], str, float], ...] = (
-    (("ctrl+p", *"recordings"), "List the recordings", 1.5),
-    (("enter",), "enter play", 2.0),
-    (("enter",), "REPLAY 20", 2.0),
-    (("m",), "go to shelf 12: accepted", 3.0),
-    (("m", "m"), "REPLAY", 3.5),
-)
+# what the STOP has recorded: what is pressed, and how long (s) the screen is shown
+PLAYED: tuple[tuple[tuple[str, ...], float], ...] = (((), 3.0), (("m",), 3.0), (("m", "m"), 3.5))
 MOST = 400_000  # bytes
 NO_BREAK = "\u00a0"
 # of each picture, once is enough, or nobody sees it
@@ -64,22 +58,21 @@ _PART = re.compile(r"<(text|rect) [^>]*?(/>|>.*?</\1>)", re.DOTALL)
 
 async def frames() -> list[str]:
     """The screen after each step of the story, as SVG."""
-    from archo_tui.paths import state_file
+    from tests.replay.recorded import replay, written
     from tests.support.console import console  # not before the engine is chosen
 
-    async with console(*ROBOT) as op:
-        found = await _steps(op, STORY)
-        await op.until(lambda: list(state_file("recordings").glob("*/metadata.yaml")))
-        return [*found, *await _steps(op, PLAYED)]
-
-
-async def _steps(op: Console, steps: tuple[tuple[tuple[str, ...], str, float], ...]) -> list[str]:
     found = []
-    for keys, seen, _ in steps:
-        for key in keys:
-            await op.press(key)
-        await op.until(partial(_shows, op, seen))
-        found.append(op.app.export_screenshot(simplify=True))
+    async with console(*ROBOT) as op:
+        for keys, seen, _ in STORY:
+            for key in keys:
+                await op.press(key)
+            await op.until(partial(_shows, op, seen))
+            found.append(op.app.export_screenshot(simplify=True))
+        path = await written(op)
+    async with replay(path) as watcher:
+        for keys, _ in PLAYED:
+            await watcher.press(*keys)
+            found.append(watcher.app.export_screenshot(simplify=True))
     return found
 
 
@@ -148,7 +141,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as home:
         at_home(home)
         pictures = asyncio.run(frames())
-    text = joined(pictures, [seconds for _, _, seconds in (*STORY, *PLAYED)])
+    text = joined(pictures, [*(s for _, _, s in STORY), *(s for _, s in PLAYED)])
     size = len(text.encode())
     if size > MOST:
         sys.exit(f"{size} bytes are too many: leave screens out")

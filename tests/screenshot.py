@@ -65,26 +65,20 @@ async def first_drive() -> str:
 
 
 async def replay() -> str:
-    """Return the replay of a STOP over the live console."""
-    from archo_tui.paths import state_file
+    """Return the replay of a STOP."""
+    from tests.replay.recorded import replay as replayed
+    from tests.replay.recorded import written
     from tests.support.console import console
 
-    async with console(*_BRISK, size=(120, 36)) as op:
+    async with console(*_BRISK) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.until("m left of")
         await op.press("ctrl+x")
-        await op.until(lambda: list(state_file("recordings").glob("*/metadata.yaml")))
-        await op.press("R", "y", "g", "7", "enter")
-        await op.until("MOVING to 7")
-        await op.press("ctrl+p")
-        await op.type("list the recordings")
-        await op.press("enter")
-        await op.until("enter play")
-        await op.press("enter")
-        await op.until("REPLAY 20")
-        await op.press("m", "m", "m", "right")
-        return op.app.export_screenshot()
+        path = await written(op)
+    async with replayed(path) as watcher:
+        await watcher.press("m", "m", "m", "right")
+        return watcher.app.export_screenshot()
 
 
 async def own_nodes() -> str:

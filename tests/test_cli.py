@@ -14,7 +14,7 @@ from zipfile import ZipFile
 import pytest
 
 from archo_tui import __version__, shutdown
-from archo_tui.cli import console, main
+from archo_tui.cli import main
 from archo_tui.cli.options import split_ros_args
 from archo_tui.robot_file.load import default_path
 from archo_tui.verbs import verbs
@@ -87,16 +87,6 @@ def test_it_begins_again_as_it_was_begun(
     main()
     itself = [str(program)] if is_zip else ["-m", "archo_tui"]
     assert begun == [[sys.executable, *itself, "--node", "a.py"]]
-
-
-def test_another_robot_is_another_namespace_of_the_same_words(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(console, "_added", ["--namespace", "/b"])
-    monkeypatch.setattr(sys, "argv", ["/nowhere/archo-tui"])
-    given = ["--attach", "--namespace", "/a", "--ros-args", "-r", "x:=y"]
-    own = ["-m", "archo_tui", "--attach", "--namespace", "/a", "--namespace", "/b"]
-    assert console.command_line(given)[1:] == [*own, "--ros-args", "-r", "x:=y"]
 
 
 def test_version_and_help() -> None:

@@ -249,7 +249,7 @@ def test_every_key_that_is_named_is_one(page: Path) -> None:
     there: Any = SimpleNamespace(file=ARCHO)  # of the player, no key asks for more
     every = (*registry(ARCHO), *replay_commands(there, verbs(ARCHO, {})))
     known = {readable_key(command.key).replace("^", "ctrl+") for command in every}
-    known |= {"tab", "esc", "i", "p", "P", "t"}  # i, p, P, t: in the dialog of a topic
+    known |= {"tab", "esc", "p", "P", "t"}  # p, P, t: in the dialog of a topic
     for row in read(page).rows:
         for code in codes(row.get("key", "")) if "value" not in row else ():
             assert code in known, code

@@ -12,14 +12,10 @@ from archo_tui import engine
 engine.activate("embedded", hosting=True)
 import archo_tui.app
 from archo_tui.imports import OF_THE_SCREEN, import_the_rest
-dialogs = (
-    "archo_tui.screens.confirm",
-    "archo_tui.commands.help",
-    "archo_tui.commands.palette_choices",
-)
-print([name in sys.modules for name in dialogs])
+replay = "archo_tui.commands.replay", "archo_tui.recordings.replay.player"
+print([name in sys.modules for name in replay])
 import_the_rest(OF_THE_SCREEN)
-print([name in sys.modules for name in dialogs])
+print([name in sys.modules for name in replay])
 """
 
 _WITH_INTERFACES = """
@@ -45,9 +41,9 @@ def test_what_runs_a_setup_is_not_imported_to_read_interfaces() -> None:
     assert done.stdout.split() == ["False", "False"]
 
 
-def test_dialogs_are_imported_behind_the_first_picture() -> None:
+def test_a_replay_is_imported_behind_the_first_picture() -> None:
     done = subprocess.run(
         [sys.executable, "-c", _PROGRAM], capture_output=True, text=True, check=False
     )
     assert done.stderr == ""
-    assert done.stdout.splitlines() == [str([False] * 3), str([True] * 3)]
+    assert done.stdout.splitlines() == [str([False] * 2), str([True] * 2)]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
 from archo_tui.cli import chapter, completion, graph, recordings, subcommands
-from archo_tui.cli.console import command_line, run_console
+from archo_tui.cli.console import run_console
 from archo_tui.cli.launch import launch
 from archo_tui.cli.options import (
     COMPLETE,
@@ -27,7 +27,7 @@ from archo_tui.cli.verb import helps, send_stop, send_verb, wrong_option
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
-from archo_tui.system import END_SIGNALS
+from archo_tui.system import END_SIGNALS, command_line
 
 _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 _RUN: dict[str, Callable[[Namespace], int]] = {

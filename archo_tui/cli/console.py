@@ -6,12 +6,11 @@ import gc
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
 from functools import partial
 from io import StringIO
 
 from archo_tui import __version__
-from archo_tui.cli.options import ENGINES, split_ros_args
+from archo_tui.cli.options import ENGINES
 from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 # Crashes of the screen in a row after which the program ends. One that a person's key led to can be
 # avoided by that person, and must not end a console that drives.
 _MOST_FAILURES = 3
-_added: list[str] = []  # Options that take the place of those that were typed, at a restart.
 # Variables for Textual's developers, which press keys or end the app, and a size that may not be
 # the terminal's. A shell exports them to every program.
 _FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", "LINES")
@@ -139,14 +137,12 @@ def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | 
 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:
-    """Leave the record for the next process, in the chosen namespace unless a STOP was typed."""
+    """Leave the record for the next process, with a STOP that was typed."""
     from archo_tui.handover import give
 
     left = _with_typed_stop(session.hand_over(), stdin)
     assert left is not None
     give(left)
-    if session.station.next_namespace and not left.stop:
-        _added[:] = ["--namespace", session.station.next_namespace]
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
@@ -270,20 +266,6 @@ def _textual_version() -> str:
             if name.startswith("textual-") and name.endswith(".dist-info"):
                 return name.removeprefix("textual-").removesuffix(".dist-info")
     return "not installed by its package"
-
-
-def command_line(given: Sequence[str]) -> list[str]:
-    """Return the command line that starts the console again, in the chosen namespace."""
-    own, ros_args = split_ros_args(given)
-    ros = ["--ros-args", *ros_args] if ros_args else []
-    return [sys.executable, *_this_program(), *own, *_added, *ros]
-
-
-def _this_program() -> list[str]:
-    """Return the arguments with which Python runs this program: its zip file, or `-m archo_tui`."""
-    from zipfile import is_zipfile
-
-    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
 
 
 def require_terminal(stdin: TextIO | None) -> None:

@@ -158,7 +158,7 @@ def _operation_options(group: argparse._ActionsContainer) -> None:
     group.add_argument(
         "--quiet-alarms",
         action="store_true",
-        help="ring no bell and send no desktop notification for new alarms",
+        help="ring no bell for new alarms",
     )
     group.add_argument(
         "--on-disconnect",

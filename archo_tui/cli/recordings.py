@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import threading
 from argparse import Namespace
 
 from archo_tui.cli.console import require_terminal
@@ -41,6 +44,7 @@ def replay(options: Namespace) -> int:
         return 0
     from archo_tui.app import ArchoApp
     from archo_tui.commands import keymap, registry
+    from archo_tui.handover import CONSOLE_SOCKET, GO, READY
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
     from archo_tui.recordings.replay.station import RecordedStation
@@ -55,11 +59,23 @@ def replay(options: Namespace) -> int:
     player = make_player(bag, robot, clock)
     station = RecordedStation(player, clock)
     app = ArchoApp(station, keys, themes.remembered_theme(), player=player)
+    if console := os.environ.get(CONSOLE_SOCKET, ""):  # It lends its terminal when that is needed.
+        os.write(int(console), READY)
+        if os.read(int(console), 1) != GO:
+            return 0
+        app.has_lent_terminal = True
+        threading.Thread(target=_end_with_console, args=(int(console),), daemon=True).start()
     with guarded_streams(log_file()):
         app.run()
     if app.failure:
         complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
     return app.return_code or 0
+
+
+def _end_with_console(descriptor: int) -> None:
+    """Wait for the end of the console that plays this, which may be killed; then end this, too."""
+    os.read(descriptor, 1)
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def recordings(options: Namespace) -> int:

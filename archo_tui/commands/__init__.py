@@ -5,27 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from archo_tui.commands import (
+    alarms,
     console,
     events,
     generic,
     graph,
-    history,
+    help,
     nodes,
     palette,
     parameters,
-    places,
     recordings,
     robot,
 )
 from archo_tui.commands.base import Command, PanelKey, VerbCommand
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.screens.main import PANELS
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
 from archo_tui.verbs.places import SavePlace, SaveQueue
 from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Give
 from archo_tui.verbs.verb import Verb
-from archo_tui.widgets.panels import PANELS
 
 
 def _saves_pose(verb: Verb) -> bool:
@@ -54,12 +54,11 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.AnyService(verbs["call"]),
         *(generic.AnyTopic(verb) for verb in verbs.values() if isinstance(verb, Publish)),
         generic.DescribeRobot(),
-        *(places.SaveUnderName(v, "places") for v in verbs.values() if _saves_pose(v)),
-        *(places.SaveUnderName(v, "go_list") for v in verbs.values() if isinstance(v, SaveQueue)),
-        console.AcknowledgeKey(verbs["ack"]),
-        console.ShowAlarms(),
-        console.ListDiagnostics(),
-        console.OperateOtherRobot(),
+        *(robot.SaveUnderName(v, "places") for v in verbs.values() if _saves_pose(v)),
+        *(robot.SaveUnderName(v, "go_list") for v in verbs.values() if isinstance(v, SaveQueue)),
+        alarms.AcknowledgeKey(verbs["ack"]),
+        alarms.ShowAlarms(),
+        alarms.ListDiagnostics(),
         *(PanelKey(panel, described) for panel in PANELS),
         parameters.Edit(),
         parameters.EditWithInitial(),
@@ -80,13 +79,13 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         events.ToggleFullScreen(),
         events.ShowEvent(),
         events.SaveEvents(),
-        history.ShowHistory(),
-        history.ChangeSpan(-1),
-        history.ChangeSpan(1),
+        events.ShowHistory(),
+        events.ChangeSpan(-1),
+        events.ChangeSpan(1),
         graph.ShowResource(),
         graph.ShowFrames(),
-        console.ShowHelp(),
-        console.ShowHelpEverywhere(),
+        help.ShowHelp(),
+        help.ShowHelpEverywhere(),
         palette.OpenPalette(),
         console.KeepKey(verbs["keep"]),
         recordings.ShowRecordings(),

@@ -5,37 +5,37 @@ from __future__ import annotations
 import os.path
 import re
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
+from textual.content import Content
 from textual.keys import format_key
+from textual.notifications import SeverityLevel
 from textual.screen import Screen
+from textual.widgets import Input
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screens.dismissable import Dismissable
-from archo_tui.screens.main import MainScreen
-from archo_tui.station.station import Station
-from archo_tui.terminal.app import TerminalApp
+from archo_tui.screens.dialog import Confirm, Dialog
+from archo_tui.screens.main import PANELS, MainScreen
+from archo_tui.terminal.app import COMMANDS, TerminalApp, start_worker
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Question, Values, Verb
-from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
-from archo_tui.widgets.screen_state import ScreenState
-
-if TYPE_CHECKING:
-    from archo_tui.recordings.replay.player import Player
+from archo_tui.widgets.bars import DURATIONS, FooterKey, Notice, with_newest
+from archo_tui.widgets.panel import Panel, ScreenState
 
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
+LONGEST = 30.0  # Seconds that the end waits for answers: longer than any request takes.
 _AGREE_AFTER = 0.7  # Seconds: a key that is held down agrees to nothing.
 
 
@@ -44,43 +44,48 @@ def readable_key(key: str) -> str:
     return key if key in ("", "enter") else format_key(key).replace("ctrl+", "^")
 
 
-class Desk:
-    """A station on the screen: with its verbs, commands, keys and main screen, for commands to use.
+class _Sent(NamedTuple):
+    at: float  # Monotonic time, in s.
+    stops: int  # The count of STOPs read by then.
 
-    The live one is the app; that of a recording lies over it. Event loop only.
-    """
 
-    live: ConsoleApp  # Whose dialogs, messages, theme and clipboard all desks use.
-    station: Station
+class Desk(TerminalApp):
+    """The app, as far as commands use it: a station on the screen. Event loop only."""
+
     main: MainScreen  # Beneath the dialogs.
     view: ScreenState  # Shown now.
-    has_sent = True  # False once it is known that this user has never sent a goal.
+    repeated = False  # True while the key that is being handled is held down.
+    # The time of the present key or click, and the pause before it, in s; None for neither.
+    input: InputTime | None = None
+    _leaves = False
+    _opening = 0  # The number of dialogs that are being opened.
+    _shut_since: float | None = None  # When a STOP closed the dialog that keys were for.
+    _shut_said = False  # True once a message told of dropped keys.
+    _shut_by = ""  # What closed it.
+    _answers_void = 0  # Keys with a lower count were for a question that is not shown.
 
     def set_up(
         self,
-        live: ConsoleApp,
-        station: Station,
         commands: Callable[[Mapping[str, Verb]], Sequence[Command]],
         keys: Mapping[str, str],  # By the command's id; of the others, the default ones hold.
         main: MainScreen,
     ) -> None:
-        """Take up a station; must be called before all else."""
-        snapshot = station.robot.snapshot
-        self.live, self.station, self.main = live, station, main
+        """Make the commands of the station's robot; must be called before all else."""
+        snapshot, self.main = self.station.robot.snapshot, main
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
         self.registry = commands(self.verbs)
         self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}  # As Textual names them.
         # As people read them.
         self.shown_keys = {name: readable_key(key) for name, key in self.keys.items()}
         self._listed_keys = {c.id: self.shown_keys[c.id] for c in self.registry if c.is_listed}
+        self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
+        self._notices: list[Notice] = []  # The newest first.
         # The last texts, by form and by the path of the field.
         self.typed: dict[str, dict[str, str]] = {}
         self.view = self._state()
 
     def _state(self) -> ScreenState:
-        never = not self.has_sent
-        station = vars(self.station.view)
-        return ScreenState(**station, keys=self._listed_keys, has_never_sent_goal=never)
+        return ScreenState(**vars(self.station.view), keys=self._listed_keys)
 
     def update_screen(self) -> None:
         """Show the station's present state at once, not only with the next message of the robot."""
@@ -103,8 +108,7 @@ class Desk:
     @property
     def is_shown(self) -> bool:
         """True during the life of the main screen, also behind dialogs."""
-        is_there = self.live.is_running and self.main in self.live.screen_stack
-        return is_there and self.main.is_mounted
+        return self.is_running and self.main in self.screen_stack and self.main.is_mounted
 
     def _footer_keys(self) -> list[FooterKey]:
         """Return the commands with a footer word and a key, also disabled, in their order."""
@@ -117,81 +121,227 @@ class Desk:
         ]
 
     @property
-    def _dialogs(self) -> Iterator[Dismissable[Any]]:
-        """Yield the dialogs over the main screen; with a replay over it, up to that."""
-        stack = self.live.screen_stack
-        for screen in stack[stack.index(self.main) + 1 :]:
-            if isinstance(screen, Dismissable):
-                yield screen
-            if isinstance(screen, MainScreen):
-                return  # The dialogs over it show the replay.
+    def _dialogs(self) -> Iterator[Dialog]:
+        """Yield the dialogs over the main screen."""
+        yield from (screen for screen in self.screen_stack if isinstance(screen, Dialog))
+
+    def notify(
+        self,
+        message: str,
+        *,
+        title: str = "",
+        severity: SeverityLevel = "information",
+        timeout: float | None = None,  # Seconds; None means that of its severity.
+        markup: bool = True,
+        still_holds: Callable[[], object] = lambda: True,  # A refusal goes with its cause.
+    ) -> None:
+        """Show a message in the second row, without markup, in place of Textual's box."""
+        text = Content.from_markup(message).plain if markup else message
+        text = " ".join(f"{title}: {text}".split() if title else text.split())
+        until = self.station.clock.monotonic() + (timeout or DURATIONS[severity])
+        self._notices = with_newest(self._notices, Notice(text, severity, until, still_holds))
+        self._show_notices()
+
+    def clear_notifications(self) -> None:
+        self._notices = []
+        self._show_notices()
+
+    def _show_notices(self) -> None:
+        time = self.station.clock.monotonic()
+        self._notices = [n for n in self._notices if time < n.until and n.still_holds()]
+        if self.main.is_mounted:
+            self.main.show_notices(self._notices)
+
+    def show_message(self, text: str, title: str = "") -> None:
+        """Show a message in the second row, as `title: text`; its text is taken as it is."""
+        self.notify(text, title=title, markup=False)
+
+    def _find_command(self, name: str) -> Command | None:
+        return next((command for command in self.registry if command.id == name), None)
+
+    def action_command(self, name: str, counted: bool = False) -> None:
+        """Run a command by its id, or show why it cannot run; nothing for an unknown id.
+
+        One that still waits for its answer does not run again. `counted` is True if the STOP was
+        counted as its key was read.
+        """
+        command, number = self._find_command(name), 0
+        if command is None:
+            return
+        if name == "stop":
+            number = self.stops.count_when_typed if counted else self.stops.register()
+            self.close_questions()
+        work = self._work_of(command)
+        if work is not None:
+            self.run_worker(self._await_command(name, work), group=COMMANDS)
+        elif name == "stop":
+            self.stops.is_not_sent(number)
+
+    def _work_of(self, command: Command) -> Work | None:
+        """Run a command, and return what is to be awaited, if anything; or show why it cannot."""
+        name = command.id
+        if command.waits_for_answer and (self.repeated or self._waits(name)):
+            return None
+        given = self._sent.get(name)
+        held = (
+            given is not None and self.station.clock.monotonic() - given.at < command.resend_after
+        )
+        # A key that is pressed again runs again: something may have happened in between.
+        if held and self.repeated and not (command.always_tried and self.stops.superseded):
+            return None
+        reason = command.disabled_reason(self)
+        if reason:
+            if not command.always_tried or reason == WATCHING:
+                holds = partial(command.disabled_reason, self)
+                self.notify(reason, severity="warning", markup=False, still_holds=holds)
+            if reason == WATCHING or not (command.runs_disabled or command.always_tried):
+                return None
+        return command.run(self)  # At once: the next key may be for what this one focuses.
+
+    def close_questions(self) -> None:
+        """Close the dialogs that a STOP makes invalid, and drop the keys typed for them."""
+        for screen in self.screen_stack:
+            if isinstance(screen, Dialog) and screen.closes_at_stop:
+                screen.dismiss()
+                self.closed_by_stop("STOP closed the dialog")
+
+    def _waits(self, name: str) -> bool:
+        """Return True, with a message, if a command waits for an answer that no STOP voided."""
+        given = self._sent.get(name)
+        waits = given is not None and not self.stops.is_void(given.stops)
+        if waits and not self.repeated:
+            self.notify("still waiting for the robot's answer", severity="warning", markup=False)
+        return waits
+
+    async def _await_command(self, name: str, work: Work) -> None:
+        sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
+        try:
+            await work
+        finally:
+            if self._sent.get(name) is sent:
+                del self._sent[name]
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
 
         The verb is not checked for a refusal first. A failure is shown.
         """
-        raise NotImplementedError
 
-    def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed; do nothing for one that succeeded."""
-        raise NotImplementedError
+        async def now() -> None:
+            outcome = await verb.run(self.station, values)
+            self.update_screen()
+            if verb.id != "stop" or self.view.snapshot.open_stop is None:  # Else the banner does.
+                self.report_failure(outcome)
 
-    def show_message(self, text: str, title: str = "") -> None:
-        """Show a message in the second row, as `title: text`; its text is taken as it is."""
-        self.live.notify(text, title=title, markup=False)
-
-
-class ConsoleApp(TerminalApp, Desk):
-    """The app, as far as commands use it: the live desk, and what all desks share."""
-
-    repeated = False  # True while the key that is being handled is held down.
-    # The time of the present key or click, and the pause before it, in s; None for neither.
-    input: InputTime | None = None
+        question = verb.question(self.station, values)
+        if question is None:
+            return now()
+        answers: Answers = {question.go: now} if question.go else {}
+        self.confirm(question.title, question.text, question.safe, answers)
+        return None
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
-        raise NotImplementedError
+        closes = isinstance(dialog, Dialog) and dialog.closes_at_stop
+        if not (closes and self._is_void(str(dialog.title or "a dialog"))):
+            self.show_dialog(dialog)
+
+    @contextmanager
+    def opening(self) -> Iterator[None]:
+        """Return a context in which keys wait for a dialog, except those that work everywhere."""
+        self._opening += 1
+        try:
+            yield
+        finally:
+            self._opening -= 1  # The end of the worker hands the keys on.
+
+    def _is_void(self, title: str) -> bool:
+        """Return True if a STOP was read after the current input, so that its dialog must not open.
+
+        If so, a message and an event say so, and the keys that follow at once are dropped.
+        """
+        shut = self.stops.gate().is_shut
+        if shut:
+            self.closed_by_stop("STOP kept the dialog from opening")
+            self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
+            self.report_failure(Outcome(Code.CANCELLED, NOT_SENT))
+        return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Show a question at once, whose answer may be a coroutine to run; or why it is not asked.
 
         It is not while another one is open, or if a STOP was read since the key.
         """
-        raise NotImplementedError
+        if isinstance(self.screen, Confirm):
+            said = f"{title}: answer the question that is asked already first."
+            self.notify(said, severity="warning", markup=False)
+            return
+        if self._is_void(title):
+            return
+        # The answer counts from here too: a STOP in between closes the question.
+        typed = self.stops.count_when_typed
 
-    def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog, except those that work everywhere."""
-        raise NotImplementedError
+        def answered(answer: str) -> None:
+            act = answers.get(answer)
+            with self.stops.typed_at(typed):
+                work = None if act is None else act()
+                if work is not None:
+                    self.run_worker(work, group=COMMANDS)
 
-    def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once: they were typed for a dialog that closed by itself."""
-        raise NotImplementedError
+        self.show_dialog(Confirm(title, question, (safe, *answers), answered))
 
-    def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console; keys act on it from then on, except STOP."""
-        raise NotImplementedError
-
-    def end_replay(self) -> None:
-        """Close the replay, if there is one, with its dialogs, and show the live console again."""
-        raise NotImplementedError
+    def report_failure(self, outcome: Outcome) -> None:
+        """Show the outcome of a command that failed; do nothing for one that succeeded."""
+        if not outcome.ok:
+            self.notify(outcome.text, severity="error", markup=False)
 
     def copy_selection(self) -> bool:
         """Copy the text selected in a field or on the screen; return False if none is selected."""
-        raise NotImplementedError
-
-    def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id, or show why it cannot run; nothing for an unknown id.
-
-        It runs on the live console or, while a replay is shown, there; STOP always on the live one.
-        One that still waits for its answer does not run again. `counted` is True if the STOP was
-        counted as its key was read.
-        """
-        raise NotImplementedError
+        focused = self.focused
+        text = focused.selected_text if isinstance(focused, Input) else None
+        text = text or self.screen.get_selected_text()
+        if text:
+            self.copy_to_clipboard(text)
+        return bool(text)
 
     def leave(self) -> None:
         """Begin to end the app when every command has its answer, in 30 s at most."""
-        raise NotImplementedError
+        if not self._leaves:
+            self._leaves = True
+            start_worker(self, self._exit_when_answered, "leave")
+
+    async def _exit_when_answered(self) -> None:
+        """End the app once every command has its answer, or LONGEST seconds have passed."""
+        if self.unanswered:
+            self.show_message("Ending, as soon as the robot has answered.")
+        try:
+            await self.station.clock.wait_for(self.wait_for_answers(), LONGEST)
+        except TimeoutError:  # A disk hangs; requests to a robot end by themselves.
+            self.station.robot.note("ERROR", "console", f"ended: not all answered in {LONGEST:g} s")
+        self.exit()
+
+    def closed_by_stop(self, why: str) -> None:
+        """Drop the keys typed for a dialog that a STOP closed, or kept from opening.
+
+        Those are the keys read before that STOP, and those that follow at once; not those that work
+        everywhere. `why` is shown if a key is dropped.
+        """
+        self._answers_void = self.stops.count
+        self.drop_following_keys(why)
+
+    def drop_following_keys(self, why: str) -> None:
+        """Drop the keys that follow at once, typed for a dialog that closed by itself.
+
+        Keys follow at once if less than HELD passes between them. Escape and those that work
+        everywhere still act. `why` is shown if a key is dropped.
+        """
+        self._shut_by, self._shut_said = why, False
+        self._shut_since = self.station.clock.monotonic()
+
+    def show_dialog(self, dialog: Screen[Any]) -> None:
+        """Show a dialog, to which all following keys go; none is dropped any more."""
+        self._shut_since = None
+        self.push_screen(dialog)
 
 
 def file_writer(

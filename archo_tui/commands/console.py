@@ -13,102 +13,9 @@ from archo_tui.commands.base import (
     Work,
 )
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
-from archo_tui.station.alarms import any_urgent
 from archo_tui.station.station import Station
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.text.goal import activity
-from archo_tui.verbs.show import ShowDiagnostics
-from archo_tui.verbs.verb import Verb
-
-
-class AcknowledgeKey(VerbCommand):
-    key = "a"
-
-    def __init__(self, verb: Verb) -> None:
-        super().__init__(verb)
-        self.help = "Acknowledge the alarm in the banner"
-
-
-class ShowAlarms(Command):
-    id, key, verbs = "alarms", "A", ("alarms", "shelve")
-    help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.lists import AlarmList
-        from archo_tui.commands.request import AnswerRequest
-
-        waiting = desk.station.approvals.waiting
-        if waiting and not any_urgent(desk.view.alarms):  # Alarms of high priority come first.
-            desk.live.open(AnswerRequest(desk, waiting[0]))
-        else:
-            desk.live.open(AlarmList(desk))
-
-
-class ListDiagnostics(Command):
-    id, verbs = "diagnostics", ("diagnostics", "forget")
-    help = ShowDiagnostics.help
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.lists import DiagnosticList
-
-        desk.live.open(DiagnosticList(desk))
-
-
-class OperateOtherRobot(Command):
-    """The command that restarts the console for the robot of another namespace, chosen in a list.
-
-    Only with `--attach`, and not while a goal runs or waits or a STOP is not released.
-    """
-
-    id = "other_robot"
-    help = "Operate another robot: one in another namespace (the console restarts)"
-
-    def disabled_reason(self, desk: Desk) -> str:
-        station, snapshot = desk.station, desk.station.robot.snapshot
-        if not station.attached:
-            return "only a console with --attach changes robots"
-        if station.restart_blocker:
-            return station.restart_blocker
-        if station.running_goal is not None:
-            return "a goal runs: cancel it first"
-        if station.queue.waiting or station.queue.is_going:
-            return "a goal waits or is being sent: cancel it first"
-        return "" if snapshot.other_namespaces else "no other namespace has nodes"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.screens.choose import Choice, Choose
-
-        names = desk.station.robot.snapshot.other_namespaces
-        choices = [Choice(name, partial(self._operate, desk, name)) for name in names]
-        desk.live.open(Choose("Operate another robot", choices))
-
-    def _operate(self, desk: Desk, namespace: str) -> None:
-        """Restart the console for a namespace; show why not if the command is disabled by now."""
-        reason = self.disabled_reason(desk)
-        if reason:
-            desk.show_message(reason)
-            return
-        desk.station.operate(namespace)
-
-
-class ShowHelp(Command):
-    id, key, footer = "help", "question_mark", "Help"
-    help = "Show the keys of the panel with the focus, and below them all others"
-
-    def run(self, desk: Desk) -> None:
-        from archo_tui.commands.help import Help
-
-        front = desk.live.screen
-        if isinstance(front, Help):
-            front.dismiss()
-            return
-        panel = desk.main.panel_with_focus if front is desk.main else None
-        desk.live.open(Help(desk, panel))
-
-
-class ShowHelpEverywhere(ShowHelp):
-    id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
-    help = "Show all keys; works in dialogs and while typing, too"
 
 
 class KeepKey(VerbCommand):
@@ -118,7 +25,7 @@ class KeepKey(VerbCommand):
 
 class ToggleQuiet(Command):
     id = "quiet_alarms"
-    help = "Turn the bell and the desktop notification of new alarms off or on"
+    help = "Turn the bell of new alarms off or on"
 
     def run(self, desk: Desk) -> None:
         station = desk.station
@@ -137,12 +44,10 @@ class Suspend(Command):
     def run(self, desk: Desk) -> None:
         goal = desk.station.running_goal
         if goal is None or desk.station.attached:
-            desk.live.action_suspend_process()
+            desk.action_suspend_process()
             return
         question = f"The robot is {activity(goal)}; its nodes would pause."
-        desk.live.confirm(
-            "Suspend", question, "Stay", {"Suspend": desk.live.action_suspend_process}
-        )
+        desk.confirm("Suspend", question, "Stay", {"Suspend": desk.action_suspend_process})
 
 
 # Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.
@@ -175,7 +80,7 @@ class Quit(Command):
                 told = [stays, *published]
             if not told:
                 return end()
-            desk.live.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
+            desk.confirm("Quit", " ".join(told), "Stay", {"Quit": end})
             return None
         if not goal.mine:
             self._leave_another(desk)
@@ -184,13 +89,13 @@ class Quit(Command):
         if station.attached:
             answers = {**answers, "Leave it running and quit": partial(self._end, desk, LEAVE)}
         text = " ".join((f"The robot is {activity(goal)}.", *published))
-        desk.live.confirm("Quit", text, "Stay", answers)
+        desk.confirm("Quit", text, "Stay", answers)
         return None
 
     async def _end(self, desk: Desk, choice: str) -> None:
         station = desk.station
         await let_go(station.robot, station.clock, choice, "quit")
-        desk.live.leave()
+        desk.leave()
 
     def _leave_another(self, desk: Desk) -> None:
         """Ask before quitting while another client's goal runs.
@@ -203,7 +108,7 @@ class Quit(Command):
         running = f"Another client's goal is running: {what}."
         question = " ".join((running, *_ends_of_publications(station)))
         end = partial(self._end, desk, station.on_disconnect)
-        desk.live.confirm("Quit", question, "Stay", {"Quit": end})
+        desk.confirm("Quit", question, "Stay", {"Quit": end})
 
 
 class QuitEverywhere(Quit):

@@ -1,8 +1,9 @@
-"""The commands of the Events panel."""
+"""The commands of Events and of History."""
 
 from __future__ import annotations
 
 from archo_tui.commands.base import IN_PANEL, Command, Desk, file_writer
+from archo_tui.screens.dialog import AskPath, ShowText
 from archo_tui.widgets.events_panel import EventsPanel, event_details, events_as_text
 
 
@@ -34,8 +35,9 @@ class CopyCommand(_InEvents):
         return "" if desk.main.events.selected else "no event is selected"
 
     def run(self, desk: Desk) -> None:
-        event = desk.main.events.selected[0]
-        desk.live.copy_to_clipboard(event.command or event.text)
+        event = desk.main.events.selected
+        assert event is not None
+        desk.copy_to_clipboard(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
         desk.show_message(event.command or event.text, title=f"Copied {what}")
 
@@ -56,11 +58,9 @@ class SaveEvents(_InEvents):
         return "" if desk.main.events.shown else "no event is shown"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
         text = events_as_text(desk.main.events.shown)
         write = file_writer(desk, text, "save events")
-        desk.live.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
+        desk.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 
 class ShowEvent(_InEvents):
@@ -71,7 +71,35 @@ class ShowEvent(_InEvents):
         return "" if desk.main.events.selected else "no event is selected"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.text import ShowText
+        event = desk.main.events.selected
+        assert event is not None
+        desk.open(ShowText("Event", event_details(event)))
 
-        details = map(event_details, desk.main.events.selected)
-        desk.live.open(ShowText("Event", "\n\n\n".join(details)))
+
+class ShowHistory(Command):
+    id, key, verbs = "history", "h", ("history",)
+    help = "Show the history on the full screen, or leave it"
+
+    def run(self, desk: Desk) -> None:
+        desk.main.toggle_full(desk.main.history)
+
+
+class ChangeSpan(Command):
+    """A command that shows the next longer (1) or shorter (-1) time span of the history."""
+
+    def __init__(self, by: int) -> None:
+        self._by = by
+        self._word, self._most = ("longer", "longest") if by > 0 else ("shorter", "shortest")
+        self.id = self._word
+        self.key = "right_square_bracket" if by > 0 else "left_square_bracket"
+        self.help = f"Show a {self._word} time in the history: 1 min, 10 min or an hour"
+
+    def disabled_reason(self, desk: Desk) -> str:
+        history = desk.main.history
+        if not history.display:
+            return f"the history is not shown: press {desk.view.key('history')}"
+        return "" if history.can_change_span(self._by) else f"already the {self._most} span"
+
+    def run(self, desk: Desk) -> None:
+        desk.main.history.change_span(self._by)
+        desk.update_screen()

@@ -5,29 +5,27 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from archo_tui.commands.base import Command, Desk, VerbCommand, Work, asking_first, file_writer
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.messages import ros2_command
-from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.messages.values import filled
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.robot_file.propose import SeveralRobots
 from archo_tui.ros_names import base_name
+from archo_tui.screens.choose import Choice, Choose
+from archo_tui.screens.dialog import AskPath
+from archo_tui.screens.message_form import MessageForm
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 from archo_tui.verbs.names import topics_of, type_of
 from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.topics import LISTENING, robot_file_text
 from archo_tui.verbs.verb import Question, Verb
-
-if TYPE_CHECKING:
-    from archo_tui.screens.choose import Choice
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a publication has begun.
 
@@ -37,36 +35,29 @@ class _GenericCommand(VerbCommand):
 
     more_fields: Sequence[TypedField] = ()  # Behind those of the message.
     form: Mapping[str, FormField] = {}  # Labels, units and limits of them.
-    copies_command = False  # True if its form has a button that calls `copy`.
 
     def types_by_name(self, desk: Desk) -> Mapping[str, tuple[str, ...]]:
         """Return the actions or services on the graph: the types of each by its full name."""
         raise NotImplementedError
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.choose import Choose
-
         names = sorted(self.types_by_name(desk))
         choices = [choice for name in names for choice in self.choices(desk, name)]
-        desk.live.open(Choose(self.help, choices))
+        desk.open(Choose(self.help, choices))
 
     def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return the rows for one action or service: by default one, which opens its form."""
-        from archo_tui.screens.choose import Choice
-
         types = ", ".join(self.types_by_name(desk)[name])
         return [Choice(name, partial(self.open_form, desk, name), types)]
 
     async def open_form(self, desk: Desk, name: str) -> None:
         """Open the form for a goal or a request, which is sent by `self.send`, or show why not."""
-        from archo_tui.screens.message_form import MessageForm
-
         try:
             kind = type_of("one", name, self.types_by_name(desk))
         except ValueError as error:
             desk.show_message(str(error))
             return
-        with desk.live.opening():  # Message classes are read from disk, on another thread.
+        with desk.opening():  # Message classes are read from disk, on another thread.
             message_fields = await in_daemon(desk.station.robot.form, kind)
         if message_fields is None:
             desk.show_message(not_installed(name, kind))
@@ -75,14 +66,7 @@ class _GenericCommand(VerbCommand):
         send = partial(self.send, desk, name, kind)
         asking = asking_first(desk, partial(self.question, desk, name, kind), send)
         fields = (*message_fields, *self.more_fields)
-        copy = self.copies_command and partial(self.copy, desk, name, kind)
-        desk.live.open(
-            MessageForm(f"{name}  {kind}", fields, asking, typed, self.form, copy or None)
-        )
-
-    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
-        """Copy the `ros2` command that does the same, or return why not; a subclass defines it."""
-        raise NotImplementedError
+        desk.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form))
 
     def question(
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
@@ -136,7 +120,6 @@ class AnyTopic(_GenericCommand):
         RATE: FormField(label="Rate", unit="Hz", low=0.01, high=MAX_RATE),
         TIMES: FormField(label="Times (0: until cancelled)", low=0),
     }
-    copies_command = True
 
     def __init__(self, verb: Publish) -> None:
         super().__init__(verb)
@@ -158,19 +141,6 @@ class AnyTopic(_GenericCommand):
         except ValueError:  # `send` says why.
             return None
         return self.verb.question(desk.station, given)
-
-    async def copy(self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]) -> str:
-        try:
-            given = _publish_values(name, values)
-            message_class = await in_daemon(load_class, type_name)
-            message = filled(message_class(), given["fields"])
-        except ValueError as error:
-            return str(error)
-        how_often = given["rate"], given["times"]
-        command = ros2_command.publish(name, type_name, message, *how_often)
-        desk.live.copy_to_clipboard(command)
-        desk.show_message(command, title="Copied the command")
-        return ""
 
     async def send(
         self, desk: Desk, name: str, type_name: str, values: Mapping[str, Any]
@@ -216,8 +186,6 @@ class AnyService(_GenericCommand):
 
     def choices(self, desk: Desk, name: str) -> list[Choice]:
         """Return a row for each verb that calls the service; without any, one that opens a form."""
-        from archo_tui.screens.choose import Choice
-
         verbs = verbs_by_service(desk.verbs, desk.view.snapshot).get(name, [])
         return [
             Choice(name, partial(self._run_verb, desk, verb), verb.title, words=verb.id)
@@ -237,7 +205,7 @@ class AnyService(_GenericCommand):
     def _run_verb(desk: Desk, verb: Verb) -> Work | None:
         """Run a verb of the robot file, after its question, or notify why not; STOP as its key."""
         if verb.urgent:
-            desk.live.action_command(verb.id)
+            desk.action_command(verb.id)
             return None
         refusal = verb.refusal(desk.station)
         if refusal:
@@ -265,8 +233,6 @@ class DescribeRobot(Command):
     help = "Describe this robot: write a robot file for what is on the graph"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
         async def text() -> str:
             try:
                 return await robot_file_text(desk.station)
@@ -277,4 +243,4 @@ class DescribeRobot(Command):
 
         write = file_writer(desk, text, "describe this robot")
         listens = f"Robot file (listens for {LISTENING:g} s first)"
-        desk.live.open(AskPath("Describe this robot", listens, "robot.yaml", write))
+        desk.open(AskPath("Describe this robot", listens, "robot.yaml", write))

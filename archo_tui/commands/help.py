@@ -18,6 +18,25 @@ from archo_tui.station.view import View
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.panel import Panel
 
+
+class ShowHelp(Command):
+    id, key, footer = "help", "question_mark", "Help"
+    help = "Show the keys of the panel with the focus, and below them all others"
+
+    def run(self, desk: Desk) -> None:
+        front = desk.screen
+        if isinstance(front, Help):
+            front.dismiss()
+            return
+        panel = desk.main.panel_with_focus if front is desk.main else None
+        desk.open(Help(desk, panel))
+
+
+class ShowHelpEverywhere(ShowHelp):
+    id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
+    help = "Show all keys; works in dialogs and while typing, too"
+
+
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
     "tab moves the focus, enter presses or edits, esc leaves; while you type, letters are text."
@@ -39,7 +58,7 @@ _NOW = "Now"
 _FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
 
 
-class Help(Dialog[None]):
+class Help(Dialog):
     """A list of all keys, a section for each place where they work; typing searches the list."""
 
     BINDINGS = [

@@ -1,16 +1,30 @@
-"""The commands of the Parameters panel."""
+"""The commands of Parameters, and the dialog that edits one."""
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+from textual.markup import escape
+from textual.widgets import Static
+
 from archo_tui.commands.base import IN_PANEL, Command, Desk, VerbCommand, Work
 from archo_tui.errors import ArchoError
+from archo_tui.robot.graph.parameter_values import parse, range_text
+from archo_tui.robot.messages.typed import typed_text
+from archo_tui.robot.messages.values import same, text_of
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import Parameter
+from archo_tui.safe_text import HIDDEN, harmless, safe
+from archo_tui.screens.dialog import AskPath, Form
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs.parameters import CHANGE, NOBODY
+from archo_tui.widgets.panel import ScreenState
 from archo_tui.widgets.parameters_panel import ParametersPanel
 
 _DEFAULT_FILE = "archo_params.yaml"
@@ -47,10 +61,8 @@ class Edit(_SetCommand):
 
     def open(self, desk: Desk, parameter: Parameter) -> None:
         """Open the dialog in which a parameter is edited."""
-        from archo_tui.screens.edit_parameter import EditParameter
-
         send = partial(self.set, desk, parameter)
-        desk.live.open(EditParameter(parameter, send, self.initial_value(parameter)))
+        desk.open(EditParameter(parameter, send, self.initial_value(parameter)))
 
     def initial_value(self, parameter: Parameter) -> Any:
         """Return the value in the field of the dialog at first: by default the present value."""
@@ -129,8 +141,6 @@ class SaveKey(VerbCommand):
     key = "ctrl+s"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
         warned: set[Path] = set()  # Existing files that the operator was warned about.
 
         async def save(path: Path) -> str:
@@ -144,7 +154,7 @@ class SaveKey(VerbCommand):
                 desk.show_message(f"Saved to {path}.")
             return "" if outcome.ok else outcome.text
 
-        desk.live.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
+        desk.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
 class LoadKey(VerbCommand):
@@ -152,8 +162,6 @@ class LoadKey(VerbCommand):
     key = "ctrl+o"
 
     def run(self, desk: Desk) -> None:
-        from archo_tui.screens.ask_path import AskPath
-
         async def load(path: Path) -> str:
             try:
                 values = await self.verb.prepare(desk.station, {"file": str(path)})
@@ -166,4 +174,81 @@ class LoadKey(VerbCommand):
             return ""
 
         dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)
-        desk.live.open(dialog)
+        desk.open(dialog)
+
+
+class EditParameter(Form):
+    """A dialog with a field for a parameter's value, which stays open until the node accepts it."""
+
+    submit_label = "Set"
+
+    def __init__(
+        self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]], offered: Any
+    ) -> None:
+        # In full, since all of the field is sent.
+        self._text = safe(typed_text(offered))
+        super().__init__("value", self._text, disabled=parameter.read_only)
+        self._offered = offered
+        self._parameter, self._send = parameter, send
+        self._shown = parameter.value  # The present value.
+        allowed = range_text(parameter)
+        kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
+        self.hint = Content.styled(kind, "not bold $quiet")
+        if parameter.read_only:
+            self.hint = Content(f"{parameter.name} is read-only: it can only be set at startup")
+
+    def body(self) -> ComposeResult:
+        parameter = self._parameter
+        with Vertical(classes="dialog") as box:
+            title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
+            box.border_title = escape(title)
+            box.border_subtitle = "enter set   esc cancel"
+            yield Static(Content(parameter.description or "no description"))
+            yield Static(_value_line(parameter.value), id="now")
+            yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
+            yield self.field
+            yield from self.below_field()
+
+    def show_view(self, view: ScreenState) -> None:
+        """Show the present value, which others may change meanwhile; the field keeps its text."""
+        super().show_view(view)
+        key = self._parameter.node, self._parameter.name
+        values = (p.value for p in view.snapshot.parameters if (p.node, p.name) == key)
+        value = next(values, None)
+        if not same(value, self._shown):
+            self._shown = value
+            self.set_text("#now", _value_line(value))
+
+    def submit(self, typed: str) -> None:
+        if self.is_asking:
+            return
+        try:
+            value = self._parse(typed)
+        except ValueError as error:
+            self.show_message(str(error))
+            return
+        self.is_asking = True
+        self.show_message("asking the node ...")
+        start_worker(self.app, partial(self._set, value), COMMANDS)
+
+    def _parse(self, typed: str) -> Any:
+        """Return the value that a text means; ValueError if it is none of the parameter's.
+
+        The untouched text of an offered value with hidden characters means that value; an edited
+        text must be free of the marks that stand for them.
+        """
+        if self._text != typed_text(self._offered):
+            if typed == self._text:
+                return self._offered
+            if HIDDEN in typed:
+                raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it again")
+        return parse(self._parameter, typed)
+
+    async def _set(self, value: Any) -> None:
+        outcome = await self._send(value)
+        self.is_asking = False
+        self.finish(outcome)
+
+
+def _value_line(value: Any) -> Content:
+    return Content(f"now    {harmless(text_of(value))}")

@@ -1,21 +1,197 @@
-"""The command that lists recordings."""
+"""The list of recordings, and the replay of one in the console's terminal."""
 
 from __future__ import annotations
 
+import asyncio
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from datetime import datetime
+from functools import partial
+
+from textual.binding import Binding
+
 from archo_tui.commands.base import Command, Desk, Work
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.handover import CONSOLE_SOCKET, GO
+from archo_tui.recordings import store
+from archo_tui.recordings.store import Recording, length_size_and_why
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screens.dialog import ListDialog
+from archo_tui.station.alarms import AlarmState
+from archo_tui.station.conditions import Priority
+from archo_tui.system import command_line
+from archo_tui.terminal.app import start_worker
+from archo_tui.text.columns import Columns, Text, crop
+from archo_tui.widgets.rows import Rows
+
+_POLL = 0.1  # Seconds between two looks for an alarm.
+_LAST = 1.0  # Seconds in which a replay ends by itself.
 
 
 class ShowRecordings(Command):
     id = "recordings"
-    help = "List the recordings: when, why, how long; play one, delete one"
+    help = "List the recordings: when, why, how long; play one, copy its command, delete one"
 
     def run(self, desk: Desk) -> Work:
         return self._show(desk)
 
     async def _show(self, desk: Desk) -> None:
-        from archo_tui.commands.lists import RecordingList, list_recordings
-
-        with desk.live.opening():
+        with desk.opening():
             found = await list_recordings(desk)
         if found is not None:
-            desk.live.open(RecordingList(desk, found))
+            desk.open(RecordingList(desk, found))
+
+
+def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
+    """Return `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time."""
+    when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
+    return [(crop(f"{when}  {length_size_and_why(recording)}", width), "")]
+
+
+async def play(desk: Desk, recording: Recording) -> None:
+    """Play a recording in the console's terminal, by a process of its own, until that ends.
+
+    The process says when it could draw, gets the terminal then, and says when STOP was pressed,
+    which is sent from here. That, an alarm of high priority and the console's end end the replay.
+    """
+    command = ["replay", recording.name]
+    loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
+    ours, its = socket.socketpair()
+    ours.setblocking(False)
+
+    def start() -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            command_line(command),
+            stdin=desk.terminal.fileno,
+            stdout=sys.__stdout__,
+            stderr=sys.__stderr__,
+            pass_fds=[its.fileno()],
+            env={**os.environ, CONSOLE_SOCKET: str(its.fileno())},
+        )
+
+    async def lend() -> None:
+        await loop.sock_sendall(ours, GO)
+        said = asyncio.ensure_future(loop.sock_recv(ours, 1))
+        while not said.done() and not grave_alarms(desk) - before:
+            await asyncio.wait([said], timeout=_POLL)
+        is_left = said.done() and not said.result()
+        if said.done() and not is_left:
+            desk.action_command("stop")
+        if not is_left:
+            desk.drop_following_keys("The replay ended")
+        said.cancel()
+
+    process = await in_daemon(start)
+    its.close()
+
+    def end() -> None:
+        process.terminate()
+        try:
+            process.wait(_LAST)
+        except subprocess.TimeoutExpired:  # It hangs, as on a disk.
+            process.kill()
+            process.wait()
+
+    try:
+        with desk.opening():
+            is_ready = await loop.sock_recv(ours, 1)
+        if not is_ready:
+            text = f"not played: archo-tui {' '.join(command)} tells why"
+            desk.report_failure(Outcome(Code.REFUSED, text))
+        elif not gate.is_shut:
+            with desk.lend_terminal():
+                try:
+                    await lend()
+                finally:
+                    await in_daemon(end)
+    finally:
+        ours.close()
+        await in_daemon(end)
+
+
+def grave_alarms(desk: Desk) -> set[tuple[str, float]]:
+    """Return the unacknowledged alarms of high priority, each with its name and begin."""
+    return {
+        (alarm.name, alarm.since)
+        for alarm in desk.station.view.alarms
+        if alarm.priority is Priority.HIGH and alarm.state is AlarmState.UNACKNOWLEDGED
+    }
+
+
+class RecordingList(ListDialog[Recording]):
+    """A list of recordings: enter plays one, y copies the command that does, d deletes it."""
+
+    BINDINGS = [
+        Binding("enter", "play", "Play", priority=True),
+        Binding("y", "copy", "Copy the command that plays it", priority=True),
+        Binding("d,delete", "delete", "Delete", priority=True),
+    ]
+
+    keys_text = "enter play   y copy its command   d delete   esc close"
+
+    def __init__(self, desk: Desk, recordings: Sequence[Recording]) -> None:
+        """Create the list; the newest recording comes first."""
+        rows: Rows[Recording] = Rows(
+            recording_lines,
+            lambda recording: recording.name,
+            id="recordings",
+            action="screen.play",
+            empty="No recordings.",
+        )
+        super().__init__("Recordings", rows)
+        self._desk, self._recordings = desk, recordings
+
+    def on_mount(self) -> None:
+        self.rows.show_cursor()
+        self.show_items(self._recordings)
+
+    def _refuse(self, text: str) -> None:
+        self._desk.report_failure(Outcome(Code.REFUSED, text))
+
+    def action_play(self) -> None:
+        """Play the recording under the cursor; where no terminal can be lent, copy its command."""
+        if self.rows.item is not None and self._desk.terminal is not None:
+            self.dismiss()
+            start_worker(self._desk, partial(play, self._desk, self.rows.item), "replay")
+        else:
+            self.action_copy()
+
+    def action_copy(self) -> None:
+        """Copy the command that plays the recording under the cursor; nothing without one."""
+        if self.rows.item is not None:
+            command = f"archo-tui replay {self.rows.item.name}"
+            self._desk.copy_to_clipboard(command)
+            self._desk.show_message(f"{command}: run it in another terminal", title="Copied")
+
+    def action_delete(self) -> None:
+        """Ask, and delete the recording under the cursor; nothing happens without one."""
+        if self.rows.item is not None:
+            name = self.rows.item.name
+            answers = {"Delete": partial(self._delete, self.rows.item)}
+            question = f"Delete {name}? It is gone then."
+            self._desk.confirm("Delete a recording", question, "Keep it", answers)
+
+    async def _delete(self, recording: Recording) -> None:
+        try:
+            await in_daemon(store.delete, recording)
+        except OSError as error:
+            self._refuse(f"not deleted: {error.strerror or error}")
+        else:
+            note = f"recording {recording.name} deleted"
+            self._desk.station.robot.note("YOU", "console", note)
+        found = await list_recordings(self._desk)
+        if found is not None and not self.is_dismissed:
+            self.show_items(found)
+
+
+async def list_recordings(desk: Desk) -> list[Recording] | None:
+    """Return the recordings, newest first, or None after showing why they cannot be read."""
+    try:
+        return await in_daemon(store.own_recordings)
+    except ArchoError as error:
+        desk.report_failure(Outcome(Code.REFUSED, str(error)))
+        return None

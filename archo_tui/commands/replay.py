@@ -1,95 +1,135 @@
-"""The desk of a replay, and its commands: those that change nothing, and the time line's."""
+"""The screen of `archo-tui replay`: its time line, and the commands that change nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+import os
+from collections.abc import Callable, Mapping, Sequence
 
+from textual import events
+from textual.app import ComposeResult
+from textual.content import Content
+
+from archo_tui.clock import time_of_day
 from archo_tui.commands import registry
-from archo_tui.commands.base import (
-    EVERYWHERE,
-    IN_PANEL,
-    NOT_TYPING,
-    Command,
-    ConsoleApp,
-    Desk,
-    PanelKey,
-    Work,
-)
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, Desk, PanelKey
 from archo_tui.commands.console import Quit
-from archo_tui.recordings.replay.player import Player
-from archo_tui.recordings.replay.station import NOTHING_STOPPED, RecordedStation
+from archo_tui.handover import CONSOLE_SOCKET, STOP
+from archo_tui.recordings.replay.player import Player, TimelineMark
+from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screens.replay import ReplayScreen
-from archo_tui.screens.text import ShowText
+from archo_tui.screens.dialog import ShowText
+from archo_tui.screens.main import PANELS
 from archo_tui.text.alarm import timeline
-from archo_tui.verbs.verb import Values, Verb
-from archo_tui.widgets.time_line import TimeLine
+from archo_tui.text.columns import crop
+from archo_tui.verbs.verb import Verb
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import Panel, ScreenState
 
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(
     (
         *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
-        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
+        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette"),
     )
 )
+_TOGETHER = 0.05  # Seconds between marks that count as one moment.
+_LEFT_WIDTH = 21  # Cells of the speed and of both times.
+_HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
 
 
-_LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another one in the recording.
+class TimeLine(Panel, can_focus=True):
+    """The last panel of a replay, two rows without a border: a line with the position, and text."""
+
+    number, title_text = len(PANELS) + 1, "Time line"
+
+    def __init__(self, snapshot: Snapshot, player: Player) -> None:
+        super().__init__(snapshot)
+        self._player = player
+        self._line, self._status = Line(id="time"), Line(id="time-said")
+
+    def compose(self) -> ComposeResult:
+        yield self._line
+        yield self._status
+
+    def show(self, view: ScreenState) -> None:
+        player, width = self._player, self.size.width
+        here, marks = view.now, player.marks
+        how = "▶" if player.is_playing else "‖"
+        left = f" {how} {player.speed:g}x"
+        begin, end = time_of_day(player.start), time_of_day(player.end)
+        line = draw_time_line(player, here, marks, self._cells)
+        self._line.show(Content.assemble((f"{left:<9}", "bold"), f"{begin} ", line, f" {end}"))
+        status = "reading" if player.is_reading else _last_marks(marks, here)
+        more = f"   {player.unreadable} messages are unreadable" if player.unreadable else ""
+        faults = "".join(f"   {fault}" for fault in player.bag.faults)
+        where = (
+            f" {duration_text(here - player.start)} of {duration_text(player.end - player.start)}"
+        )
+        text = f"{where:<17}  {status}{more}{faults}"
+        self._status.show(Content(crop(text, max(width, 1))))
+
+    @property
+    def _cells(self) -> int:
+        return max(self.size.width - _LEFT_WIDTH - 7, 1)
+
+    def on_click(self, event: events.Click) -> None:
+        """Move the position to where the line was clicked, and have the panel shown at once."""
+        place = event.x - _LEFT_WIDTH + 3
+        if event.y == 0 and 0 <= place < self._cells:
+            whole = self._player.end - self._player.start
+            self._player.go_to(self._player.start + whole * place / max(self._cells - 1, 1))
+            self.post_message(self.Outdated(self))
+
+
+def _last_marks(marks: list[TimelineMark], here: float) -> str:
+    """Return the text of the last mark up to a Unix time, with those less than 0.05 s before it."""
+    past = [mark for mark in marks if mark.time <= here + _TOGETHER]
+    return ", ".join(mark.text for mark in past if past[-1].time - mark.time < _TOGETHER)
+
+
+def draw_time_line(player: Player, here: float, marks: list[TimelineMark], cells: int) -> Content:
+    """Return `━━┼━━━●──┼────`: the past, the position (in Unix time), the rest, and the marks."""
+    whole = max(player.end - player.start, 1e-9)
+
+    def cell_of(time: float) -> int:
+        return round((time - player.start) / whole * (cells - 1))
+
+    at = cell_of(here)
+    drawn = [_PAST if number < at else _FUTURE for number in range(cells)]
+    for mark in marks:
+        if 0 <= cell_of(mark.time) < cells:
+            drawn[cell_of(mark.time)] = _MARK
+    before, behind = "".join(drawn[:at]), "".join(drawn[at + 1 :])
+    return Content.assemble((before, "$primary"), (_HERE, "bold"), (behind, "$quiet"))
+
+
+def duration_text(seconds: float) -> str:
+    """Return a duration as `1:05`, or with hours as `1:02:03`; a negative one as `0:00`."""
+    minutes, rest = divmod(max(int(seconds), 0), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
 
 
 def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
-    """Return the commands of `archo-tui replay`: the read-only ones, and four of its own."""
-    return (
-        *_read_only_commands(player, verbs),
-        RefuseStop(),
-        CopySelection(),
-        QuitReplay(),
-        QuitReplayEverywhere(),
-    )
-
-
-def _commands_over_live(
-    live: ConsoleApp, player: Player, verbs: Mapping[str, Verb]
-) -> Sequence[Command]:
-    """Return the commands of a replay over the live console: the read-only ones, and its own."""
-    shown = [c for c in _read_only_commands(player, verbs) if c.id not in _LIVE_ONLY]
-    stop = next(command for command in live.registry if command.id == "stop")
-    return BackToLive(), StopLive(live, stop), *shown, CopyFromReplay(), QuitBoth()
-
-
-def _read_only_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Command]:
-    """Return the time line's commands, a list of recorded alarms, and all that change nothing.
+    """Return the time line's commands, all of the console that change nothing, and four others.
 
     The keys of those that act say that nothing was sent.
     """
     commands = registry(player.file, verbs)
     panels = [command for command in commands if isinstance(command, PanelKey)]
     panels[0].footer_key = f"1-{TimeLine.number}"
-    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in _HARMLESS]
-    own = (
-        Play(player),
-        StepSeconds(player, "back", "left", -1.0),
-        StepSeconds(player, "on", "right", 1.0, "1 s"),
-        StepSeconds(player, "back_ten", "shift+left", -10.0),
-        StepSeconds(player, "on_ten", "shift+right", 10.0),
-        GoToBegin(player),
-        GoToEnd(player),
-        StepMessage(player, "message_before", "comma", -1),
-        StepMessage(player, "message_after", "full_stop", 1),
-        ChangeSpeed(player, "slower", "left_curly_bracket", -1),
-        ChangeSpeed(player, "faster", "right_curly_bracket", 1, "Speed"),
-        StepMark(player, "next_mark", "m", 1, "Mark"),
-        StepMark(player, "mark_before", "M", -1),
-        *shown,
-        TimeLineKey(player.file),
-        ShowRecordedAlarms(player),
-    )
+    harmless = _HARMLESS if CONSOLE_SOCKET in os.environ else {*_HARMLESS, "suspend"}
+    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in harmless]
+    own = *_time_line_keys(player), *shown, TimeLineKey(player.file), ShowRecordedAlarms(player)
     used = {command.key for command in own}
     acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
-    return *own, *(NotSent(c) for c in acting if c.key not in used and c not in shown)
+    not_sent = (NotSent(c) for c in acting if c.key not in used)
+    console = os.environ.get(CONSOLE_SOCKET, "")
+    stop = StopConsole(int(console)) if console else RefuseStop()
+    return *own, *not_sent, stop, CopySelection(), QuitReplay(), QuitReplayEverywhere()
 
 
 class NotSent(Command):
@@ -102,26 +142,7 @@ class NotSent(Command):
 
     def run(self, desk: Desk) -> None:
         key = desk.view.key("quit")
-        where = "for the live robot" if desk is not desk.live else "to leave the replay"
-        desk.show_message(f"REPLAY: {self.id} was not sent: press {key} {where}.")
-
-
-class ReplayDesk(Desk):
-    """The desk of a recording over the live console, whose STOP still stops the robot."""
-
-    def __init__(self, live: ConsoleApp, player: Player) -> None:
-        station = RecordedStation(player, live.station.clock)
-        screen = ReplayScreen(station.robot.snapshot, live.size, player, self.update_screen)
-        self.set_up(live, station, partial(_commands_over_live, live, player), live.keys, screen)
-
-    def run_verb(self, verb: Verb, values: Values) -> None:
-        """Send nothing, and say so."""
-        self.report_failure(Outcome(Code.REFUSED, f"REPLAY: {verb.id} was not sent"))
-
-    def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed, with the title `Replay`; else do nothing."""
-        if not outcome.ok:  # As the live console reports it, it would be about the robot.
-            self.show_message(outcome.text, "Replay")
+        desk.show_message(f"REPLAY: {self.id} was not sent: press {key} to leave the replay.")
 
 
 class TimeLineKey(PanelKey):
@@ -130,93 +151,71 @@ class TimeLineKey(PanelKey):
         self.id = "time_line"
 
 
-class _TimeLineCommand(Command):
+class MoveInTime(Command):
+    """A key of the time line, whose move may return a message."""
+
     where, panel = IN_PANEL, TimeLine
 
-    def __init__(self, player: Player) -> None:
-        self.player = player
-
-    def run(self, desk: Desk) -> Work | None:
-        self.move(desk)
-        desk.update_screen()
-        return None
-
-    def move(self, desk: Desk) -> None:
-        """Change the position, speed or playing state of the player; a subclass must define it."""
-        raise NotImplementedError
-
-
-class Play(_TimeLineCommand):
-    id, key, footer = "play", "space", "Play"
-    help = "Play, or pause"
-
-    def move(self, desk: Desk) -> None:
-        self.player.play(on=not self.player.is_playing)
-
-
-class StepSeconds(_TimeLineCommand):
     def __init__(
-        self, player: Player, name: str, key: str, seconds: float, footer: str = ""
+        self,
+        id: str,
+        key: str,
+        help: str,
+        move: Callable[[], str | None],
+        footer: str = "",
+        footer_key: str = "",
     ) -> None:
-        super().__init__(player)
-        self.id, self.key, self._seconds, self.footer = name, key, seconds, footer
-        self.footer_key = "←→" if footer else ""
-        self.help = f"{abs(seconds):g} s {'back' if seconds < 0 else 'on'}"
+        self.id, self.key, self.help, self._move = id, key, help, move
+        self.footer, self.footer_key = footer, footer_key
 
-    def move(self, desk: Desk) -> None:
-        self.player.go_to(self.player.position + self._seconds)
-
-
-class GoToBegin(_TimeLineCommand):
-    id, key = "begin", "home"
-    help = "To the beginning of the recording"
-
-    def move(self, desk: Desk) -> None:
-        self.player.go_to(self.player.start)
+    def run(self, desk: Desk) -> None:
+        message = self._move()
+        desk.update_screen()
+        if message:
+            desk.show_message(message)
 
 
-class GoToEnd(_TimeLineCommand):
-    id, key = "end", "end"
-    help = "To the end of the recording"
+def _time_line_keys(player: Player) -> list[MoveInTime]:
+    def step(seconds: float) -> Callable[[], None]:
+        return lambda: player.go_to(player.position + seconds)
 
-    def move(self, desk: Desk) -> None:
-        self.player.play(on=False)
-        self.player.go_to(self.player.end)
+    def mark(by: int, where: str) -> Callable[[], str]:
+        missing = f"There is no mark {where} this moment."
+        return lambda: missing if player.step_mark(by) is None else ""
 
+    def play_or_pause() -> None:
+        player.play(on=not player.is_playing)
 
-class StepMessage(_TimeLineCommand):
-    def __init__(self, player: Player, name: str, key: str, step: int) -> None:
-        super().__init__(player)
-        self.id, self.key, self._step = name, key, step
-        self.help = f"To the {'next message' if step > 0 else 'message before'}"
+    def begin() -> None:
+        player.go_to(player.start)
 
-    def move(self, desk: Desk) -> None:
-        self.player.step_message(self._step)
+    def end() -> None:
+        player.play(on=False)
+        player.go_to(player.end)
 
+    def slower() -> None:
+        player.change_speed(-1)
 
-class ChangeSpeed(_TimeLineCommand):
-    def __init__(self, player: Player, name: str, key: str, step: int, footer: str = "") -> None:
-        super().__init__(player)
-        self.id, self.key, self._step, self.footer = name, key, step, footer
-        self.footer_key = "{}" if footer else ""
-        self.help = f"Play {name}: 0.25 to 16 times as fast as it was"
+    def faster() -> None:
+        player.change_speed(1)
 
-    def move(self, desk: Desk) -> None:
-        self.player.change_speed(self._step)
-
-
-class StepMark(_TimeLineCommand):
-    def __init__(self, player: Player, name: str, key: str, step: int, footer: str = "") -> None:
-        super().__init__(player)
-        self.id, self.key, self._step, self.footer = name, key, step, footer
-        where = "next mark" if step > 0 else "mark before"
-        self.help = f"To the {where}: an alarm, a command, the end of a goal"
-
-    def move(self, desk: Desk) -> None:
-        if self.player.step_mark(self._step) is None:
-            desk.show_message(
-                f"There is no mark {'after' if self._step > 0 else 'before'} this moment."
-            )
+    key = MoveInTime
+    times, marks = "0.25 to 16 times as fast as it was", "an alarm, a command, the end of a goal"
+    return [
+        key("play", "space", "Play, or pause", play_or_pause, "Play"),
+        key("back", "left", "1 s back", step(-1.0)),
+        key("on", "right", "1 s on", step(1.0), "1 s", "←→"),
+        key("back_ten", "shift+left", "10 s back", step(-10.0)),
+        key("on_ten", "shift+right", "10 s on", step(10.0)),
+        key("begin", "home", "To the beginning of the recording", begin),
+        key("end", "end", "To the end of the recording", end),
+        key("message_before", "comma", "To the message before", lambda: player.step_message(-1)),
+        key("message_after", "full_stop", "To the next message", lambda: player.step_message(1)),
+        key("slower", "left_curly_bracket", f"Play slower: {times}", slower),
+        key("faster", "right_curly_bracket", f"Play faster: {times}", faster, "Speed", "{}"),
+        key("next_mark", "m", f"To the next mark: {marks}", mark(1, "after"), "Mark"),
+        key("mark_before", "M", f"To the mark before: {marks}", mark(-1, "before")),
+    ]
 
 
 class RefuseStop(Command):
@@ -229,12 +228,26 @@ class RefuseStop(Command):
         desk.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
 
 
+class StopConsole(Command):
+    """The command of the STOP key in a replay that a console has begun: it stops the robot."""
+
+    id, key, where = "stop", "ctrl+x", EVERYWHERE
+    help = "STOP the robot of the console that plays this, and go back to it"
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor  # Of the socket to the console.
+
+    def run(self, desk: Desk) -> None:
+        os.write(self._descriptor, STOP)
+        desk.leave()
+
+
 class CopySelection(Command):
     id, key, where = "copy_selection", "ctrl+c", EVERYWHERE
     help = "Copy the selection"
 
     def run(self, desk: Desk) -> None:
-        if not desk.live.copy_selection():
+        if not desk.copy_selection():
             desk.show_message(f"Nothing is selected. Press {desk.view.key('quit')} to quit.")
 
 
@@ -253,58 +266,17 @@ class ShowRecordedAlarms(Command):
             f"{alarm.priority.value}  {timeline(alarm)}\n   {alarm.text}"
             for alarm in desk.view.alarms
         ]
-        desk.live.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))
+        desk.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))
 
 
 class QuitReplay(Quit):
     help = "Quit the replay"
 
     def run(self, desk: Desk) -> None:
-        desk.live.leave()
+        desk.leave()
 
 
 class QuitReplayEverywhere(QuitReplay):
     id, key, footer = "quit_everywhere", "ctrl+q", ""
     help = "Quit the replay, also while typing"
     where = EVERYWHERE
-
-
-class BackToLive(Command):
-    id, key, footer = "quit", "q", "Live robot"
-    help = "Back to the live robot, which went on meanwhile"
-
-    def run(self, desk: Desk) -> None:
-        desk.live.end_replay()
-
-
-class StopLive(Command):
-    """The STOP command of the replay, which runs that of the live console."""
-
-    id, where = "stop", EVERYWHERE
-
-    def __init__(self, live: Desk, stop: Command) -> None:
-        self._live, self._stop = live, stop
-        self.key, self.footer = stop.key, f"{stop.footer} live"
-        self.help = f"On the live robot: {stop.help}"
-
-    def disabled_reason(self, desk: Desk) -> str:
-        return self._stop.disabled_reason(self._live)
-
-    def run(self, desk: Desk) -> None:
-        desk.live.action_command("stop")
-
-
-class CopyFromReplay(CopySelection):
-    def run(self, desk: Desk) -> None:
-        if not desk.live.copy_selection():
-            key = desk.view.key("quit")
-            desk.show_message(f"REPLAY: nothing was cancelled. Press {key} for the live robot.")
-
-
-class QuitBoth(Command):
-    id, key, where = "quit_everywhere", "ctrl+q", EVERYWHERE
-    help = "Leave the replay and quit the live console, as there"
-
-    def run(self, desk: Desk) -> None:
-        desk.live.end_replay()
-        desk.live.action_command(self.id)

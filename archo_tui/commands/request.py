@@ -20,13 +20,13 @@ from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import now
 from archo_tui.text import line_by_line
-from archo_tui.widgets.button import Button
+from archo_tui.widgets.field import Button
 
 # Seconds between an answer and the key before it; keys in a paste come faster.
 MIN_PAUSE = 0.3
 
 
-class AnswerRequest(Dialog[None]):
+class AnswerRequest(Dialog):
     """The request of an assistant with the state of the robot; the person allows or denies it.
 
     `Deny` has the focus at first; escape answers nothing, and the request goes on waiting. An
@@ -102,11 +102,11 @@ class AnswerRequest(Dialog[None]):
         """
         is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
         if not is_waiting and not self.is_dismissed:
-            self._desk.live.drop_following_keys("The request is over")
+            self._desk.drop_following_keys("The request is over")
             self.dismiss()
         elif is_waiting:
             self._show_request(view)
-            if self._desk.live.is_stuck or self._size_of_question != self._drawn_size:
+            if self._desk.is_stuck or self._size_of_question != self._drawn_size:
                 self._restart_reading()
 
     def _show_request(self, view: View) -> None:
@@ -126,11 +126,11 @@ class AnswerRequest(Dialog[None]):
         """Close the dialog and pass the answer on, or tell why the answer does not count yet."""
         if self._size_of_question != self._drawn_size:
             self._restart_reading()
-        typed = self._desk.live.input
+        typed = self._desk.input
         is_early = (
             typed is None or typed.at - self._drawn_at < READING_TIME or typed.pause < MIN_PAUSE
         )
-        if is_early or self._desk.live.is_stuck:
+        if is_early or self._desk.is_stuck:
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
         is_whole = self._is_end_visible(self._text) and self._is_end_visible(self._allow)

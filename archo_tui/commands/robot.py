@@ -7,9 +7,12 @@ from functools import partial
 from typing import Any
 
 from archo_tui.commands.base import EVERYWHERE, Command, Desk, VerbCommand, Work, asking_first
+from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
-from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.dialog import Dialog, Form
+from archo_tui.screens.message_form import MessageForm
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.verb import Verb
 
@@ -50,8 +53,6 @@ class FormGoalKey(VerbCommand):
         self.key, self.from_file = verb.kind.key, verb.kind.where
 
     def run(self, desk: Desk) -> Work | None:
-        from archo_tui.screens.message_form import MessageForm
-
         kind = self._go.kind
         if not kind.form:
             return desk.run_verb(self._go, {goals.GOALS: [{}]})
@@ -71,7 +72,7 @@ class FormGoalKey(VerbCommand):
 
         form = desk.view.snapshot.form(kind)
         sends = asking_first(desk, partial(self._go.question, desk.station), send)
-        desk.live.open(MessageForm(kind.title, message_fields, sends, typed, form))
+        desk.open(MessageForm(kind.title, message_fields, sends, typed, form))
         return None
 
 
@@ -93,16 +94,16 @@ class CancelKey(VerbCommand):
     def run(self, desk: Desk) -> Work | None:
         running = desk.station.running_goal
         is_ours = running is not None and running.mine and running.phase != Phase.CANCELLING
-        if desk.live.repeated and not is_ours:
+        if desk.repeated and not is_ours:
             return None
         if running is None and desk.station.robot.publications.active:
             return desk.run_verb(self.verb, {goals.RUNNING: None})
         if running is None:
-            dialog = desk.live.screen
-            if isinstance(dialog, Dismissable) and dialog.is_asking:
+            dialog = desk.screen
+            if isinstance(dialog, Dialog) and dialog.is_asking:
                 dialog.stop_waiting()
                 return None
-            if not desk.live.copy_selection():
+            if not desk.copy_selection():
                 keys = f"{desk.view.key('quit')} (or {desk.view.key('quit_everywhere')})"
                 desk.show_message(f"No goal is running. Press {keys} to quit.")
             return None
@@ -132,7 +133,7 @@ class StopKey(VerbCommand):
     def run(self, desk: Desk) -> Work | None:
         stops, snapshot = desk.station.robot.stops, desk.view.snapshot
         is_stopped = snapshot.says_stopped and not snapshot.stop_not_obeyed
-        if desk.live.repeated and is_stopped and not stops.superseded:
+        if desk.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
         return super().run(desk)
 
@@ -183,7 +184,7 @@ class GiveKey(VerbCommand):
         why = "" if reading == "ask" else f"The robot does not report {reading}: "
         question = f"{why}{title} or {off.title}?"
         answers = {verb.title: partial(desk.run_verb, verb, {}) for verb in (self._on, off)}
-        desk.live.confirm(title, question, "Leave it", answers)
+        desk.confirm(title, question, "Leave it", answers)
 
 
 def _reported_state(desk: Desk, name: str) -> bool | None:
@@ -193,3 +194,44 @@ def _reported_state(desk: Desk, name: str) -> bool | None:
     topic, _, reading = name.partition(".")
     found: bool | None = getattr(getattr(desk.view.snapshot, topic), reading)
     return found
+
+
+class SaveUnderName(VerbCommand):
+    """The command that asks for a name, and runs a verb with it."""
+
+    def __init__(self, verb: Verb, *others: str) -> None:
+        """Create it; `others` are the verbs that use what it saves."""
+        super().__init__(verb)
+        self.verbs = (verb.id, *others)
+
+    def run(self, desk: Desk) -> None:
+        desk.open(AskName(desk, self.verb))
+
+
+class AskName(Form):
+    """A dialog with a field for a name, which stays open until the verb with it succeeds."""
+
+    submit_label = "Save"
+
+    def __init__(self, desk: Desk, verb: Verb) -> None:
+        super().__init__("name", title=verb.title, text=f"{verb.help}:")
+        self._desk, self._verb = desk, verb
+
+    def submit(self, typed: str) -> None:
+        """Begin to run the verb with the typed name; a second call is ignored."""
+        if not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, lambda: self._save(typed.strip()), COMMANDS)
+
+    async def _save(self, name: str) -> None:
+        station = self._desk.station
+        try:
+            values = await self._verb.prepare(station, self._verb.values([name]))
+            outcome = await self._verb.run(station, values)
+        except (ArchoError, ValueError) as error:
+            self.show_message(str(error))
+        else:
+            self._desk.show_message(outcome.text)
+            self.dismiss()
+        finally:
+            self.is_asking = False

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from textual.events import Event, Resize
 from textual.geometry import Offset
-from textual.screen import Screen, ScreenResultType
+from textual.screen import Screen
 from textual.widget import Widget
 
 from archo_tui.widgets.field import Field
 
 
-class Base(Screen[ScreenResultType]):
+class Base(Screen[None]):
     """The base of all screens, which survives fast resizes and clicks on widgets just removed."""
 
     async def on_event(self, event: Event) -> None:

@@ -19,9 +19,10 @@ from textual.strip import Strip
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS
+from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
+from archo_tui.widgets.rows import Rows
 
 _LIT = Style(bold=True, underline=True)  # Of what a typed text matches, with any colours.
 
@@ -88,19 +89,17 @@ def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
 
 
 def _columns(choices: Sequence[Choice], width: int) -> Columns:
-    """Return the cells of the titles, and of the texts beside them, which take half at most."""
+    """Return the cells of titles, of the texts beside them, half at most, and of reasons."""
     beside = column((choice.beside for choice in choices), 0, width // 2)
-    return column((choice.title for choice in choices), 1, max(width - beside - 2, 1)), beside
+    title = column((choice.title for choice in choices), 1, width)
+    return fit_columns(((1, title), (beside, beside), (1, width)), width, (1, 0, 2))
 
 
-def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
+def _lines(choice: Choice, _width: int, columns: Columns) -> list[Text]:
     """Return one line: `Release the stop (asks first)   R      the robot is not stopped`."""
-    title, beside = columns
-    text = f"{pad(crop(choice.title, title), title)}  {pad(choice.beside, beside)}"
-    room = width - title - beside - 4
-    if choice.reason and room > 0:
-        text += f"  {crop(choice.reason, room):>{room}}"
-    return [(text.rstrip(), QUIET if choice.reason else "")]
+    title, _, reason = columns
+    texts = crop(choice.title, title), choice.beside, crop(choice.reason, reason)
+    return [(in_columns(texts, columns, (2,)), QUIET if choice.reason else "")]
 
 
 class ChoiceRows(Rows[Choice]):
@@ -139,7 +138,7 @@ class ChoiceRows(Rows[Choice]):
         self._move(number - self.cursor)
 
 
-class Choose(Dialog[None]):
+class Choose(Dialog):
     """A dialog with a list, and a field that narrows it by typing."""
 
     closes_at_stop = True

@@ -1,32 +1,42 @@
-"""The bases of all dialogs, and of those with one field."""
+"""The base of all dialogs, and those for a text, a list, a question, a line and a path."""
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
 
+from textual import events
 from textual.app import App, ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.await_complete import AwaitComplete
+from textual.binding import Binding, BindingsMap
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.screen import ModalScreen, ScreenResultType
+from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from archo_tui.errors import ArchoError
+from archo_tui.paths import typed_path
 from archo_tui.robot.outcome import Outcome
-from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
+from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.text.state import not_drawn
+from archo_tui.widgets.bars import NoticeLine
+from archo_tui.widgets.field import Button, Field
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.notices import NoticeLine
+from archo_tui.widgets.panel import ScreenState
+from archo_tui.widgets.rows import Rows
 
-_HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
+HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
 
 def main_screen(app: App[Any]) -> MainScreen | None:
-    """Return the uppermost main screen beneath the dialogs, such as a replay's; None before one."""
-    mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
-    return mains[-1] if mains else None
+    """Return the main screen beneath the dialogs; None before there is one."""
+    return next((screen for screen in app.screen_stack if isinstance(screen, MainScreen)), None)
 
 
 class DialogHead(Vertical):
@@ -58,7 +68,7 @@ class DialogHead(Vertical):
     @property
     def rows(self) -> int:
         """The number of rows that the lines take; 0 in a terminal that is too low for them."""
-        has_room = self.app.size.height >= _HEAD_FROM
+        has_room = self.app.size.height >= HEAD_FROM
         return len(self._main.head) if self._main is not None and has_room else 0
 
     def _show(self) -> None:
@@ -85,18 +95,57 @@ class DialogFooter(Line):
             self.show(main.everywhere_keys)
 
 
-class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
+class Dialog(ModalScreen[None], Base):
     """A dialog over the main screen, whose header and banner stay lit above, and STOP's key below.
 
-    A subclass composes its widgets in `body`; messages are shown in its `.error` widget.
+    A subclass composes its widgets in `body`; messages are shown in its `.error` widget. It is
+    dismissed once, however often its keys are pressed; while a further dialog lies over it, it goes
+    when that has gone.
     """
 
     head: DialogHead
+    # A STOP closes it, since it asks about the robot before the STOP.
+    closes_at_stop: ClassVar[bool] = False
+    # A worker waits for an answer that may close it; keys pressed meanwhile wait, too.
+    is_asking = False
+    is_dismissed = False  # True once `dismiss` was called, though it may still be shown.
     _shows_refusal = False
+    _not_drawn = ""  # Why the last state could not be drawn.
+
+    def dismiss(self, result: None = None) -> AwaitComplete:
+        """Close the dialog, at once or as soon as it is in front.
+
+        What is returned may be awaited only where it closes at once.
+        """
+        self.is_dismissed = True
+        if not self.is_mounted:  # Textual still looks for the widgets of the screen.
+            self.call_later(self.dismiss)
+            return AwaitComplete()
+        return super().dismiss(None) if self.is_active else AwaitComplete()
+
+    def stop_waiting(self) -> None:
+        """Close the dialog for ctrl+c, though the answer that it waits for has not come."""
+        self.dismiss()
+
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
+        if self.is_dismissed:
+            self.dismiss()
+
+    def update_view(self, view: ScreenState) -> None:
+        """Show a new state; if it cannot be drawn, say so once, and leave the other screens be."""
+        try:
+            self.show_view(view)
+            self._not_drawn = ""
+        except Exception as error:
+            text = not_drawn(error)
+            if text != self._not_drawn:
+                self._not_drawn = text
+                self.notify(f"{type(self).__name__} {text}", severity="error", markup=False)
+
+    def show_view(self, view: ScreenState) -> None:
+        """Do nothing; a subclass shows here each new state while the dialog is mounted."""
 
     def compose(self) -> ComposeResult:
-        main = main_screen(self.app)
-        self.set_class(main is not None and main.is_replay, "-over-replay")
         self.head = DialogHead()
         yield self.head
         yield from self.body()
@@ -149,7 +198,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             widget.update(text)
 
 
-class Form(Dialog[None]):
+class Form(Dialog):
     """A dialog with a field and two buttons; a subclass keeps it open until its work succeeded."""
 
     BINDINGS = [("escape", "close", "Close")]
@@ -167,7 +216,6 @@ class Form(Dialog[None]):
             id=id,
             changed=self.show_message,
             submitted=self._submit,
-            stepped=self.step,
         )
         self.field.disabled = disabled
 
@@ -195,12 +243,144 @@ class Form(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)
 
-    def step(self, step: int) -> None:
-        """Do nothing; a subclass may handle the arrow up (-1) or down (1) here."""
-
     def _submit(self) -> None:
         self.submit(self.field.value)
 
     def submit(self, typed: str) -> None:
         """Check the typed text, and begin the work; a subclass must define it."""
         raise NotImplementedError
+
+
+class ShowText(Dialog):
+    """A dialog with a text that scrolls; escape, enter and q close it."""
+
+    BINDINGS = [("escape,enter,q", "close", "Close")]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title, self._text = title, text
+
+    def body(self) -> ComposeResult:
+        with VerticalScroll(classes="dialog reading") as box:
+            box.border_title = escape(self._title)
+            box.border_subtitle = "esc close"
+            yield Static(Content(self._text))
+
+
+T = TypeVar("T")
+
+
+class ListDialog(Dialog, Generic[T]):
+    """The base of dialogs with a list, which are as high as its rows."""
+
+    BINDINGS = [Binding("escape,q", "close", "Close")]
+
+    keys_text: ClassVar[str] = "esc close"  # On the lower border.
+
+    def __init__(self, title: str, rows: Rows[T]) -> None:
+        super().__init__()
+        self.title, self.rows = title, rows
+        self.box = Vertical(rows, classes="dialog reading")
+
+    def body(self) -> ComposeResult:
+        self.box.border_title, self.box.border_subtitle = self.title, self.keys_text
+        yield self.box
+
+    def on_mount(self) -> None:
+        self.set_focus(self.rows)
+
+    def show_items(self, items: Sequence[T]) -> None:
+        """Show other items in place of those before."""
+        self.rows.show(items)
+        self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
+
+
+class Confirm(Dialog):
+    """A question with answers, of which the first is the safe one: escape and `n` give it.
+
+    The safe answer has the focus at first; `y` gives the other one of two, the first letter of an
+    answer that answer. A STOP closes the dialog without an answer.
+    """
+
+    closes_at_stop = True
+
+    BINDINGS = [
+        ("escape,n", "answer(0)", "Safe answer"),
+        ("y", "yes", "The answer that acts"),
+        ("left", "app.focus_previous", "The answer before"),
+        ("right", "app.focus_next", "The next answer"),
+    ]
+
+    def __init__(
+        self, title: str, question: str, answers: Sequence[str], on_answer: Callable[[str], object]
+    ) -> None:
+        """Create the dialog; `on_answer` gets the words of the answer after it was dismissed."""
+        super().__init__()
+        self.title, self._question, self._answers = title, question, answers
+        self._on_answer = on_answer
+        # The first letter of an answer chooses it, unless another answer begins with it, too.
+        letters = [answer[0].casefold() for answer in answers]
+        unique = [letter for letter in letters if letters.count(letter) == 1 and letter not in "yn"]
+        keys = (
+            (f"{letter},{letter.upper()}", f"answer({letters.index(letter)})", "")
+            for letter in unique
+        )
+        self._bindings = BindingsMap.merge((self._bindings, BindingsMap(keys)))
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = self.title
+            box.border_subtitle = "← → or first letter, enter   esc no"
+            with VerticalScroll(classes="question", can_focus=False):
+                yield Static(Content(self._question))
+            with Horizontal(classes="answers"):
+                for number, answer in enumerate(self._answers):
+                    choose = partial(self.action_answer, number)
+                    yield Button(answer, choose, id=f"answer-{number}")
+
+    def on_mount(self) -> None:
+        self.set_focus(self.query_one("#answer-0"))
+
+    def action_yes(self) -> None:
+        """Give the second answer if there are just two; else do nothing."""
+        if len(self._answers) == 2:
+            self.action_answer(1)
+
+    def action_answer(self, number: int) -> None:
+        """Close the dialog and pass an answer by its place to `on_answer`; a second is ignored."""
+        if not self.is_dismissed:
+            self.dismiss()
+            self._on_answer(self._answers[number])
+
+
+class AskPath(Form):
+    """A dialog with a field for a path, which stays open until the work with the path succeeds."""
+
+    submit_label = "OK"
+
+    def __init__(
+        self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
+    ) -> None:
+        """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
+        text = f"{text}; a relative path starts at {Path.cwd()}:"
+        super().__init__("path", default, title=title, text=text)
+        self._work = work
+
+    def submit(self, typed: str) -> None:
+        """Begin the work with the typed path, or show why it is none; a second call is ignored."""
+        try:
+            path = typed_path(typed.strip())
+        except ArchoError as error:
+            self.show_message(str(error))
+            return
+        if not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, partial(self._run_work, path), COMMANDS)
+
+    async def _run_work(self, path: Path) -> None:
+        failure = await self._work(path)
+        if failure:
+            self.is_asking = False
+            self.show_message(failure)
+            return
+        self.dismiss()

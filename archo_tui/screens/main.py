@@ -10,7 +10,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.content import Content
-from textual.geometry import Region, Size
+from textual.geometry import Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -21,27 +21,31 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
 from archo_tui.widgets import bars
-from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.button import Button
+from archo_tui.widgets.bars import FooterKey, Notice, NoticeLine
+from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.events_panel import EventsPanel
-from archo_tui.widgets.field import Field
+from archo_tui.widgets.field import Button, Field, Search
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
-from archo_tui.widgets.notices import Notice, NoticeLine
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.panels import PANELS
+from archo_tui.widgets.panel import Panel, ScreenState
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.search import Search
 
 P = TypeVar("P", bound=Panel)
 
-_WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
+# In the order of their numbers, from 1. Keys, footer, `?` and the screen follow from it.
+PANELS: tuple[type[Panel], ...] = (
+    *(BatteryPanel, MotionPanel, GoalPanel, ParametersPanel),
+    *(NodesPanel, EventsPanel, HistoryPanel, GraphPanel),
+)
+for number, kind in enumerate(PANELS, 1):
+    kind.number = number
+
+WIDE, TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
 _NARROW = 80  # Cells below which panels lie one below the other.
 _NORMAL, _HIGH = 110, 44  # Cells from which on the history is below.
@@ -67,7 +71,7 @@ def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
     return max((minimum, name) for minimum, name in breakpoints if cells >= minimum)[1]
 
 
-class MainScreen(Base[None]):
+class MainScreen(Base):
     """The panels, laid out for the terminal's size, with header, banner and footer.
 
     Nothing is drawn until a view with nodes has come, or for 0.3 s. A panel that cannot be drawn
@@ -75,9 +79,9 @@ class MainScreen(Base[None]):
     """
 
     HORIZONTAL_BREAKPOINTS = [
-        *[(0, "-tiny"), (_NARROW, "-narrow"), (_NORMAL, "-normal"), (_WIDE, "-wide")]
+        *[(0, "-tiny"), (_NARROW, "-narrow"), (_NORMAL, "-normal"), (WIDE, "-wide")]
     ]
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall"), (_HIGH, "-high")]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (TALL, "-tall"), (_HIGH, "-high")]
 
     class Broken(Message):
         """The message that a panel cannot be drawn, and why; posted when the reason is new."""
@@ -118,9 +122,7 @@ class MainScreen(Base[None]):
         self.history, self.graph = self._panel(HistoryPanel), self._panel(GraphPanel)
         self.goal.on_typed = self._on_field_changed
         self._time_line, self.starts_in_field = time_line, starts_in_field
-        self.rows_around = _AROUND  # Rows that the panels leave to other lines.
         if time_line is not None:
-            self.rows_around += _TIME_LINE
             self._panels.append(time_line)
             self.goal.can_focus = True  # Its form is hidden.
             self.add_class("-replay")
@@ -221,16 +223,6 @@ class MainScreen(Base[None]):
         return any(widget.id == "stop" for widget, _ in self.get_widgets_at(x, y))
 
     @property
-    def panels_region(self) -> Region:
-        """The cells that the panels share, without header and footer; empty before a layout."""
-        return self._body.region
-
-    @property
-    def is_replay(self) -> bool:
-        """True if the screen shows a recording, and so has a time line."""
-        return self._time_line is not None
-
-    @property
     def is_full(self) -> bool:
         """True while one panel fills the screen."""
         return self.has_class("-full")
@@ -267,7 +259,7 @@ class MainScreen(Base[None]):
 
     @property
     def _is_wide(self) -> bool:
-        return self.size.width >= _WIDE and self.size.height >= _TALL
+        return self.size.width >= WIDE and self.size.height >= TALL
 
     @property
     def _is_large(self) -> bool:
@@ -276,7 +268,7 @@ class MainScreen(Base[None]):
     @property
     def _height(self) -> int:
         """The number of rows that the panels share."""
-        return self.size.height - self.rows_around
+        return self.size.height - _AROUND - (_TIME_LINE if self._time_line is not None else 0)
 
     def _fit(self) -> None:
         """Set the heights of the panels by the length of their lists; Events have what is left."""
@@ -305,7 +297,7 @@ class MainScreen(Base[None]):
         if self._is_wide:
             most = height - max(_MIN_EVENTS, height // 3)
             return f"{max(goal + self._parameter_rows(most - goal), _MIN_HISTORY)} 1fr"
-        few_events = _MIN_EVENTS if self.size.height >= _TALL else _FEW_EVENTS
+        few_events = _MIN_EVENTS if self.size.height >= TALL else _FEW_EVENTS
         if self.size.width >= _NORMAL:
             above = (p for p in self._panels if p.place == "left" and p.number < self.nodes.number)
             left = sum(panel.outer_size.height for panel in above) + nodes
@@ -423,11 +415,6 @@ class MainScreen(Base[None]):
             self._show_panel(panel, view)
         self._fit()
 
-    def show_head(self, lines: list[Content]) -> None:
-        """Keep new lines, the banner last, for the dialogs over this screen; show them there."""
-        self.head = lines
-        self.show_notices(self.notices)
-
     def show_notices(self, notices: Sequence[Notice]) -> None:
         """Show notices here, but not over the STOP button, and in the dialogs over this screen."""
         self.notices = notices
@@ -435,7 +422,7 @@ class MainScreen(Base[None]):
         line.show(notices, self.size.width)
         if notices:
             row = max(len(self.head) - 1, 0) + self.is_banner_needed
-            stop = self.query_one("#stop").region.intersection(self.panels_region)
+            stop = self.query_one("#stop").region.intersection(self._body.region)
             if stop and row < stop.bottom and stop.y < row + line.rows:
                 row = stop.bottom
             line.styles.offset = 0, row
@@ -451,7 +438,8 @@ class MainScreen(Base[None]):
         """Show banner and footer, whose keys are others in a field."""
         banner = bars.banner(view, self.size.width)
         self._banner.show(banner)
-        self.show_head([header, banner])
+        self.head = [header, banner]
+        self.show_notices(self.notices)
         self._show_footer(view, commands)
 
     def _with_typed(self, view: ScreenState) -> ScreenState:

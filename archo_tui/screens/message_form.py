@@ -19,8 +19,7 @@ from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, start_worker
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
+from archo_tui.widgets.field import Button, Field
 from archo_tui.yaml_text.bounded_yaml import load
 from archo_tui.yaml_text.core_schema import YamlFault
 from archo_tui.yaml_text.dump import block
@@ -29,7 +28,7 @@ MAX_FIELDS = 12  # A message with more fields is edited as one YAML text.
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 
-class MessageForm(Dialog[None]):
+class MessageForm(Dialog):
     """A dialog with a field for each primitive field of a message, which are sent together.
 
     A message with more than 12 of them is edited as one YAML text. The dialog stays open until the
@@ -49,11 +48,8 @@ class MessageForm(Dialog[None]):
         typed: dict[str, str],
         # Labels, units and limits of the robot file, by path.
         form: Mapping[str, FormField] | None = None,
-        # Copies the command that does the same in a shell, or returns why not; None: no button.
-        copy: Callable[[Mapping[str, Any]], Awaitable[str]] | None = None,
     ) -> None:
         super().__init__()
-        self._copy_command = copy
         self.title, self._message_fields, self._send = title, message_fields, send
         self._typed, self._form = typed, form or {}
         self._fields: list[Field] = []
@@ -75,8 +71,6 @@ class MessageForm(Dialog[None]):
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
                 yield Button("Cancel", self.action_close, id="leave")
-                if self._copy_command is not None:
-                    yield Button("Copy command", partial(self._copy, self._copy_command), id="copy")
                 yield Button("Send", self.action_send, id="send")
 
     @property
@@ -141,15 +135,6 @@ class MessageForm(Dialog[None]):
             self.is_asking = True
             self.show_message("asking the robot ...   esc stops waiting")
             start_worker(self.app, partial(self._send_values, values), COMMANDS)
-
-    def _copy(self, copy: Callable[[Mapping[str, Any]], Awaitable[str]]) -> None:
-        values = self._values_of_yaml() if self._is_yaml else self._values()
-        if values is not None:
-
-            async def copy_and_tell() -> None:
-                self.show_message(await copy(values))
-
-            start_worker(self.app, copy_and_tell, COMMANDS)
 
     def action_close(self) -> None:
         """Close the dialog; while an answer is due, warn that what was sent is not taken back."""

@@ -72,7 +72,7 @@ class Station:
         self._may_offer = attached and file_is_default
         # The robot to operate after a restart, or "" for this; why a restart waits for a release
         # and then a key.
-        self.next_namespace = self.waiting_restart = ""
+        self.waiting_restart = ""
         # STOPs read when the screen began to end for a restart.
         self.is_restarting, self.stops_before_restart = False, 0
         # Unix time of one from before the start that may still hold.
@@ -178,11 +178,6 @@ class Station:
         if snapshot.latch is Latch.UNCERTAIN:
             return UNCERTAIN
         return HOLDS if snapshot.is_stopped else ""
-
-    def operate(self, namespace: str) -> None:
-        """Set `next_namespace`, and have the frontend start the process again: see `restart`."""
-        self.next_namespace = namespace
-        self.restart(f"operate the robot in {namespace}")
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
         """Take in a new snapshot, and refresh; return the alarms whose state has changed.

@@ -8,7 +8,8 @@ import gc
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
@@ -27,6 +28,7 @@ from textual.timer import Timer, TimerCallback
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.handover import restore_terminal
 from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.safe_text import safe_in_place
@@ -35,7 +37,6 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
-from archo_tui.terminal.notification import desktop_notification
 from archo_tui.terminal.stop_marks import stops_before
 from archo_tui.terminal.themes import (
     HIGH_CONTRAST,
@@ -107,6 +108,7 @@ class TerminalApp(App[None]):
         self.stop_key = ""  # Textual's name of the key.
         self.terminal: Any = None  # A SteadyDriver; none on Windows, or in a test.
         self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
+        self.has_lent_terminal = False  # That of a console, which follows.
         self.is_followed = False  # After a crash another screen reads what is typed meanwhile.
         self._is_ending = False
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
@@ -214,12 +216,9 @@ class TerminalApp(App[None]):
             start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Ring the bell and notify the desktop of new alarms of high priority, unless quiet."""
-        news = self.station.bell.take_new(alarms)
-        if news and not self.station.quiet:
+        """Ring the bell for new alarms of high priority, unless quiet."""
+        if self.station.bell.take_new(alarms) and not self.station.quiet:
             self.bell()
-            if self.terminal is not None:
-                self.terminal.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
         """Draw the whole screen again, since the terminal may show something else."""
@@ -263,10 +262,28 @@ class TerminalApp(App[None]):
         if self.terminal is not None:
             self.settings_before = self.terminal.keep_keys() or self.settings_before
 
+    @contextmanager
+    def lend_terminal(self) -> Iterator[None]:
+        """Leave the terminal to another program meanwhile, with what is typed from now on."""
+        self.keep_keys()
+        self.terminal.suspend_application_mode()
+        self.terminal.is_lent = True
+        try:
+            yield
+        finally:
+            self.terminal.is_lent = False
+            if self._is_ending:
+                restore_terminal(self.settings_before)
+            else:
+                self.terminal.resume_application_mode()
+                self.repaint()
+
     def exit(
         self, result: None = None, return_code: int = 0, message: RenderableType | None = None
     ) -> None:
         self._is_ending = True
+        if self.has_lent_terminal:
+            self.keep_keys()
         super().exit(result, return_code, message)
 
     def end(self, code: int) -> None:

@@ -179,7 +179,7 @@ class SteadyDriver(LinuxDriver):
         self._writer: TerminalWriter | None = None
         self._started = False
         self._is_setting_modes = True  # Such writes are never dropped.
-        self._keeps_keys = False
+        self._keeps_keys = self.is_lent = False
         self._empty_at = time.monotonic()  # In s: the last time when there was nothing to read.
         super().__init__(app, **options)
 
@@ -196,9 +196,9 @@ class SteadyDriver(LinuxDriver):
             self._writer = TerminalWriter(made.fileno(), self._on_output_drained, self._on_hang_up)
 
     def start_application_mode(self) -> None:
-        if self._started:
+        if self._started or self.is_lent:  # SIGCONT comes while another program draws, too.
             return
-        self._is_setting_modes = True
+        self._is_setting_modes, self._keeps_keys = True, False
         # In the background Textual returns without starting, and without a writer.
         super().start_application_mode()  # type: ignore[no-untyped-call]
         before = self._console.settings_before

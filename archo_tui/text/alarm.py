@@ -1,11 +1,12 @@
-"""The texts of an alarm. Pure functions."""
+"""The texts of alarms, and of what the robot reports of its parts. Pure functions."""
 
 from __future__ import annotations
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.text.state import no_data_text
+from archo_tui.text.state import age_text, no_data_text
 
 
 def timeline(alarm: Alarm) -> str:
@@ -28,3 +29,29 @@ def state_word(alarm: Alarm) -> str:
     """Return the words of an alarm's state; a shelved alarm's say also if its condition is over."""
     is_over = alarm.state == AlarmState.SHELVED and alarm.is_over
     return f"over, {alarm.state.value}" if is_over else alarm.state.value
+
+
+GLYPHS = {
+    DiagnosticLevel.OK: "●",
+    DiagnosticLevel.WARN: "▲",
+    DiagnosticLevel.ERROR: "✗",
+    DiagnosticLevel.STALE: "?",
+}
+
+
+def diagnostic_line(status: Diagnostic, now: float) -> str:
+    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a silent status."""
+    head = f"{GLYPHS[status.level]} {status.level.value:<5} {status.part}"
+    if status.is_silent_at(now):
+        return f"{head}: {status.message} (old, {age_text(now - status.received)})"
+    return f"{head}: {status.message}" if status.message else head
+
+
+def no_diagnostics_text(snapshot: Snapshot) -> str:
+    """Return why the robot reports no status of its parts; call it only while that is so."""
+    topic = snapshot.file.diagnostics
+    if not topic:
+        return "the robot file names no diagnostics"
+    if topic in snapshot.faults:
+        return snapshot.faults[topic]
+    return f"waiting for {topic}" if topic in snapshot.offered else f"no node publishes {topic}"

@@ -10,8 +10,10 @@ import math
 import re
 from itertools import groupby
 
+from archo_tui.errors import in_one_line
 from archo_tui.robot.state.readings import GaugeReading
 from archo_tui.robot.state.snapshot import Latch, Snapshot, StopAnswer
+from archo_tui.safe_text import harmless
 from archo_tui.station.conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
@@ -61,6 +63,11 @@ def no_data_text(snapshot: Snapshot) -> str:
     unpublished = f"no node publishes {', '.join(lacking)}" if lacking else ""
     why = elsewhere_text(snapshot) or unpublished
     return f"no data yet: {why}" if why else "no data yet"
+
+
+def not_drawn(error: Exception) -> str:
+    """Return the text in the place of what could not be drawn."""
+    return harmless(f"✗ cannot be drawn: {in_one_line(error)}")
 
 
 def marked_tone(tone: str) -> str:

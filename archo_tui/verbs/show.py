@@ -17,8 +17,7 @@ from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.station import Station
-from archo_tui.text.alarm import state_word
-from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
+from archo_tui.text.alarm import diagnostic_line, no_diagnostics_text, state_word
 from archo_tui.text.event import event_text
 from archo_tui.text.line_by_line import (
     battery_text,

@@ -20,9 +20,8 @@ from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.propose import Sighting, propose, text_of
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.station.station import Station
-from archo_tui.text.frames import transform_lines
-from archo_tui.text.graph import SILENT, resource_rows
-from archo_tui.text.inspect import rate_text
+from archo_tui.text.graph import SILENT, resource_rows, transform_lines
+from archo_tui.text.topic import rate_text
 from archo_tui.verbs.names import full_name, topic_names
 from archo_tui.verbs.verb import Argument, NotOnGraphError, Values, Verb
 

@@ -1,14 +1,16 @@
-"""The lines around the panels: header, alarm banner and footer."""
+"""The lines around the panels: header, alarm banner, footer, and messages over them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 from rich.cells import cell_len
 from textual.content import Content
+from textual.notifications import SeverityLevel
+from textual.widgets import Static
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.clients import ASSISTANT
@@ -19,11 +21,11 @@ from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, any_urgent
 from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
+from archo_tui.text.columns import crop, pad
 from archo_tui.text.goal import remaining_text, running_word
 from archo_tui.text.state import STILL_MOVING, elsewhere_text, fixed_width
-from archo_tui.widgets.rows import crop, pad
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import click, key_content
+from archo_tui.widgets.line import click, key_content
+from archo_tui.widgets.panel import ScreenState
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
@@ -97,8 +99,7 @@ def banner(view: ScreenState, width: int) -> Content:
     """Return the most important alarm with its advice, and how many others there are.
 
     An assistant's request takes its place, unless an alarm of high priority is active and
-    unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys, but
-    those that the field with the focus takes as text, or is for. An active unacknowledged alarm is
+    unacknowledged. An active unacknowledged alarm is
     reversed over the whole width, but not in a replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
@@ -107,9 +108,7 @@ def banner(view: ScreenState, width: int) -> Content:
     names = [alarm.name for alarm in view.alarms if alarm.state == AlarmState.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
-        if shelved:
-            return Content.styled(f" {shelved}", "$quiet")
-        return _first_keys(view, width)
+        return Content.styled(f" {shelved}" if shelved else "", "$quiet")
     alarm, key = shown[0], view.key("ack")
     more = f"   +{_count(len(shown) - 1, 'alarm')}" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
@@ -188,25 +187,6 @@ def _shorten_cause(text: str, room: int) -> str:
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
-
-
-def _first_keys(view: ScreenState, width: int) -> Content:
-    """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator."""
-    robot = view.snapshot.file
-    if not view.has_never_sent_goal or view.watching or not robot.goals:
-        return Content("")
-    words = {"go": robot.goals[0].title.lower(), "help": "keys"}
-    given = next((command for command in robot.commands if view.key(command.id)), None)
-    if given is not None:
-        words[given.id] = (given.help or given.title).partition(",")[0].lower()
-    shown: list[Content] = []  # As many as fit.
-    for name, word in words.items():
-        if (key := view.key(name)) and name not in view.typed:
-            hint = key_content(name, key, word, blocked=name in view.blocked)
-            width -= hint.cell_length + 3
-            if width >= 0:
-                shown.append(hint)
-    return Content.assemble(" ", Content("   ").join(shown)).stylize_before("$quiet")
 
 
 class FooterKey(NamedTuple):
@@ -288,3 +268,58 @@ def activity(view: View) -> tuple[str, str]:
         return stop, ""
     does = running_word(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
     return f"{does}   {stop}".rstrip(), remaining_text(goal)
+
+
+MAX_ROWS = 3
+# Seconds; a warning is a refusal, which also goes when its cause ends.
+DURATIONS: dict[SeverityLevel, float] = {"information": 5, "warning": 8, "error": 12}
+_LOOKS = {"information": ("·", ""), "warning": ("▲", "bold $warn"), "error": ("✗", "bold $bad")}
+
+
+class Notice(NamedTuple):
+    """A message to the operator."""
+
+    text: str
+    severity: SeverityLevel
+    until: float  # Monotonic time, in s.
+    still_holds: Callable[[], object] = lambda: True  # False once the cause of a refusal is over.
+
+
+def with_newest(notices: Sequence[Notice], new: Notice) -> list[Notice]:
+    """Return the notices to show with a new one, the newest first, in place of an equal one.
+
+    Of more than MAX_ROWS, the oldest of the least grave goes.
+    """
+    others = [notice for notice in notices if notice.text != new.text]
+    if len(others) == MAX_ROWS:
+        others.remove(min(reversed(others), key=lambda notice: DURATIONS[notice.severity]))
+    return [new, *others]
+
+
+def notice_text(notices: Sequence[Notice], width: int) -> Content:
+    """Return ` ▲ dock: the robot is stopped`, a row each; one alone has up to three rows."""
+    lines, room = [], max(width - 4, 8)  # A blank, the glyph and a blank; one at the end.
+    for notice in notices:
+        glyph, style = _LOOKS[notice.severity]
+        rows = [row.plain for row in Content(harmless(notice.text)).wrap(room)]
+        most = MAX_ROWS if len(notices) == 1 else 1
+        rows = [*rows[: most - 1], " ".join(rows[most - 1 :])]
+        text = "\n   ".join(crop(row, room) for row in rows if row)
+        lines.append(Content.styled(f" {glyph} {text}", style))
+    return Content("\n").join(lines)
+
+
+class NoticeLine(Static):
+    """The notices, drawn over the other widgets of a main screen."""
+
+    _shown: tuple[Sequence[Notice], int] = (), 0
+    rows = 1  # Of the text.
+
+    def show(self, notices: Sequence[Notice], width: int) -> None:
+        """Show notices, or (none) what lies beneath."""
+        if (notices, width) != self._shown:
+            self._shown = notices, width
+            text = notice_text(notices, width)
+            self.rows = text.plain.count("\n") + 1
+            self.update(text)
+            self.display = bool(notices)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.app import ComposeResult
 
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.text import trend
+from archo_tui.text.plot import sparkline, time_left_text
 from archo_tui.text.state import (
     ACTIVE,
     OLD,
@@ -19,10 +19,8 @@ from archo_tui.text.state import (
     fault_text,
     no_reading_reason,
 )
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import aligned
+from archo_tui.widgets.line import Line, aligned
+from archo_tui.widgets.panel import Panel, ScreenState
 
 
 class BatteryPanel(Panel, can_focus=True):
@@ -57,7 +55,7 @@ class BatteryPanel(Panel, can_focus=True):
         sampled = snapshot.charge, width
         if sampled != self._sampled:  # Samples change once a second, however fast readings come.
             self._sampled = sampled
-            self._history.show_spans(((trend.sparkline(*sampled), OLD),))
+            self._history.show_spans(((sparkline(*sampled), OLD),))
         self._trend.show_spans(_trend(snapshot, view.now, width))
         self.show_publishers(view, self._topic)
         low = snapshot.low_charge
@@ -83,6 +81,6 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((neither if len(neither) <= width else "not charging", PLAIN),)
     does = "charging" if battery.charging else "discharging"
     empty = battery.percentage is not None and battery.percentage <= 0 and not battery.charging
-    end = "" if empty else trend.time_left_text(snapshot.charge, charging=battery.charging)
+    end = "" if empty else time_left_text(snapshot.charge, charging=battery.charging)
     both = f"{does}, {end}"
     return (((both if len(both) <= width else end) if end else does, PLAIN),)

@@ -11,13 +11,12 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
+from archo_tui.text.columns import QUIET, Columns, Text
 from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
-from archo_tui.text.event_rows import EventRow, event_rows
 from archo_tui.text.state import with_short_types
-from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.search import Search
+from archo_tui.widgets.field import Search
+from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
+from archo_tui.widgets.rows import Rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
@@ -36,9 +35,9 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
     return level == "WARN" and event.level == "INFO" and is_of_own_file(event, hosted)
 
 
-def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
+def event_lines(event: Event, width: int, _columns: Columns) -> list[Text]:
     """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`."""
-    event, at, text = row.events[0], time_of_day(row.time), row.text
+    at, text = time_of_day(event.time), one_line_text(event)
     is_wide = width >= _WIDE
     if is_wide and event.source != "console" and event.level != "GOAL":
         text = f"{'shell ' if event.level == 'SHELL' else ''}{event.source}: {text}"
@@ -93,9 +92,9 @@ class EventsPanel(Panel):
         self._level = _CYCLE[0]
         self._events: tuple[Event, ...] = ()
         self._hosted: tuple[Hosted, ...] = ()
-        self._rows: Rows[EventRow] = Rows(
+        self._rows: Rows[Event] = Rows(
             event_lines,
-            lambda row: row.events[0].number,
+            lambda event: event.number,
             id="event-list",
             empty=_NO_EVENTS,
             action="app.command('whole_event')",
@@ -109,12 +108,12 @@ class EventsPanel(Panel):
     @property
     def shown(self) -> Sequence[Event]:
         """Return the events that level and search leave, the oldest first."""
-        return sorted((e for row in self._rows.items for e in row.events), key=lambda e: e.time)
+        return self._rows.items[::-1]
 
     @property
-    def selected(self) -> Sequence[Event]:
-        """Return the events that the row under the cursor stands for; empty if there is no row."""
-        return () if self._rows.item is None else self._rows.item.events
+    def selected(self) -> Event | None:
+        """Return the event under the cursor; None in an empty list."""
+        return self._rows.item
 
     @property
     def focus_target(self) -> Widget:
@@ -138,16 +137,9 @@ class EventsPanel(Panel):
         at = f" at {self._level} and above."
         nothing = f"Nothing contains {typed}{at}" if typed else _NO_EVENTS[:-1] + at
         self._rows.empty = nothing if self._events else _NO_EVENTS
-        at_level = [
-            row
-            for row in reversed(event_rows(self._events, self._hosted))
-            if is_shown(row.events[0], self._level, self._hosted)
-        ]
-        shown = [
-            row
-            for row in at_level
-            if matches(row.text, *(text for e in row.events for text in (e.source, e.text)))
-        ]
+        latest = reversed(self._events)
+        at_level = [event for event in latest if is_shown(event, self._level, self._hosted)]
+        shown = [event for event in at_level if matches(event.source, event.text)]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
         self.show_narrowed(level, self.search.show_count(len(shown), len(at_level)))
         self._rows.show(shown)

@@ -1,15 +1,23 @@
-"""The input field that all panels and dialogs use; its keys act in the order of typing."""
+"""The input field, the search and the button of all panels and dialogs, which act at once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Protocol, cast
 
-from textual import events
+from textual import events, widgets
+from textual.app import ComposeResult
 from textual.binding import Binding
+from textual.containers import Horizontal
+from textual.content import Content
 from textual.geometry import Size
 from textual.reactive import Reactive
+from textual.strip import Strip
+from textual.widget import Widget
 from textual.widgets import Input
+
+from archo_tui.safe_text import harmless
 
 INTEGER = "-0123456789 "  # The characters of one or several whole numbers.
 NUMBER = f"{INTEGER}.+"
@@ -22,17 +30,6 @@ class Field(Input, inherit_css=False):
     arrive before anybody knew that something was entered.
     """
 
-    DEFAULT_CSS = """
-        Field { width: 100%; height: 1; scrollbar-size-horizontal: 0; pointer: text; }
-        Field:focus { background-tint: $foreground 5%; }
-        Field > .input--cursor {
-            background: $input-cursor-background; color: $input-cursor-foreground;
-            text-style: $input-cursor-text-style;
-        }
-        Field > .input--selection {
-            background: $input-selection-background; color: $input-selection-foreground;
-        }
-    """
     COMPONENT_CLASSES = {"input--cursor", "input--placeholder", "input--selection"}
     BINDINGS = [Binding("up", "step(-1)", show=False), Binding("down", "step(1)", show=False)]
 
@@ -118,3 +115,110 @@ class Field(Input, inherit_css=False):
             refuse(f"cannot paste this here: {why}")
         else:
             self.replace(text, *self.selection)
+
+
+class SearchLine(Horizontal):
+    """The line `/ brake   2 of 14` below a list, hidden unless its search is open or has a text."""
+
+    def __init__(self, search: Search) -> None:
+        super().__init__()
+        self._search = search
+        self._count_text = ""
+
+    def compose(self) -> ComposeResult:
+        yield self._search
+
+    def render(self) -> Content:
+        """Return the `/` and the count; the field is drawn between them."""
+        room = max(self.size.width - 1, len(self._count_text))
+        return Content.assemble("/", (f"{self._count_text:>{room}}", "$quiet"))
+
+    def show_count(self, shown: int, total: int) -> None:
+        """Show `2 of 14` at the right end."""
+        count = f"{shown} of {total}"
+        if count != self._count_text:
+            self._count_text = count
+            self.refresh()
+
+
+class Search(Field):
+    """The search field of a list: enter keeps the filter, escape clears it; both focus the list."""
+
+    keys = ("enter", "Keep filter"), ("esc", "Clear")
+
+    def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
+        super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
+        self._target = target
+        self.line = SearchLine(self)  # For the panel to compose.
+
+    def open(self) -> None:
+        """Show the field with the text of the last search, and focus it."""
+        self._show(True)
+        self.screen.set_focus(self)
+
+    @property
+    def search_text(self) -> str:
+        """Return the typed text, stripped and safe to print; "" if rows are not narrowed."""
+        return harmless(self.value.strip())
+
+    def show_count(self, shown: int, total: int) -> str:
+        """Show `2 of 14` beside the field; return `/ brake: 2 of 14`, or "" if nothing is typed."""
+        self.line.show_count(shown, total)
+        return f"/ {self.search_text}: {shown} of {total}" if self.search_text else ""
+
+    def close(self) -> None:
+        """Clear the text, hide the field, and focus the list."""
+        self.clear()
+        self._leave()
+
+    def _leave(self) -> None:
+        self._show(bool(self.value))
+        self.screen.set_focus(self._target)
+
+    def _show(self, is_open: bool) -> None:
+        self.line.display = is_open
+
+    def matches(self, *texts: str) -> bool:
+        """Return True if nothing is typed, or one of the texts contains it, in any case."""
+        wanted = self.value.strip().casefold()
+        return not wanted or any(wanted in text.casefold() for text in texts)
+
+
+_LINE_PAD = 2  # Cells around the label, as `line-pad: 1` below has it on either side.
+
+
+class RunsCommands(Protocol):
+    """The part of the app that a button uses."""
+
+    def action_command(self, name: str) -> None:
+        """Run a command by its id, or say why it cannot run."""
+
+
+class Button(widgets.Button, inherit_css=False):
+    """A button that calls a function or runs a command at once, where Textual's posts a message.
+
+    It has none of the fifty-seven CSS rules of Textual's button, each of which every style lookup
+    evaluates.
+    """
+
+    def __init__(
+        self, label: str, does: str | Callable[[], object], *, id: str, disabled: bool = False
+    ) -> None:
+        super().__init__(label, id=id, disabled=disabled, compact=True)
+        self._does = does
+
+    def render_line(self, y: int) -> Strip:
+        """Render the button, blank if it is too narrow for a label: there Textual fails."""
+        if self.size.width <= _LINE_PAD:
+            return Strip.blank(self.size.width, self.rich_style)
+        return super().render_line(y)
+
+    def press(self) -> Button:
+        """Run the command or call the function at once; nothing if disabled or hidden."""
+        super().press()
+        if not self.disabled and self.display:
+            if isinstance(self._does, str):
+                cast("RunsCommands", self.app).action_command(self._does)
+            else:
+                self._does()
+        return self

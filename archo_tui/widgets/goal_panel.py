@@ -17,12 +17,11 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.text.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.text.state import BAD
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import INTEGER, NUMBER, Field
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.line_widget import TextLines
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.field import INTEGER, NUMBER, Button, Field
+from archo_tui.widgets.line import Line, TextLines
+from archo_tui.widgets.panel import Panel, ScreenState
+
+_RECALLED = 50  # Goals that the arrows recall.
 
 
 class _InvalidTextError(ValueError):
@@ -42,9 +41,9 @@ class GoalPanel(Panel):
     _watching = False
     _shows_hint = _shows_refusal = False  # Of the robot.
 
-    # Called with the values of each goal by dotted path, in the order of sending, and the typed
-    # texts. Set by the owner, as `on_typed`.
-    send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
+    # Called with the values of each goal by dotted path, in the order of sending. Set by the owner,
+    # as `on_typed`.
+    send: Callable[[Sequence[Mapping[str, Any]]], object]
     on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
     @classmethod
@@ -209,31 +208,14 @@ class GoalPanel(Panel):
             field.clear()
         if self.fields:
             self.screen.set_focus(self.fields[0])
-        self.send(goals, typed)
-
-    @property
-    def takes_numbers(self) -> bool:
-        """Return True if a goal is a single number, so that a line may have several goals."""
-        return len(self._message_fields) == 1 and is_number(self._message_fields[0])
-
-    def refusal(self, typed: str) -> str:
-        """Return why a text that was typed elsewhere, such as `7 3`, gives no goals, or ""."""
-        try:
-            goals = self._parse(self._kind, [typed]) if self._kind is not None else []
-        except _InvalidTextError as error:
-            return str(error)
-        return "" if goals else "no number"
-
-    def send_numbers(self, typed: str) -> None:
-        """Send goals that were typed elsewhere, as `7 3`; the form keeps its text."""
-        why = WATCHING if self._watching else self.refusal(typed)
-        self.show_hint(why)
-        if not why and self._kind is not None:
-            self.send(self._parse(self._kind, [typed]), [typed])
+        self.set_typed([*[old for old in self.typed if old != typed], typed][-_RECALLED:])
+        self.send(goals)
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
         """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text."""
-        rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
+        # A line may have several goals if a goal is a single number.
+        takes_several = len(self.fields) == 1 and is_number(self._message_fields[0])
+        rows = [[word] for word in typed[0].split()] if takes_several else [typed]
         goals, form = [], self._snapshot.form(kind)
         for row in rows:
             values: dict[str, Any] = {}

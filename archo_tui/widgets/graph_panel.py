@@ -9,50 +9,40 @@ from textual.app import ComposeResult
 from textual.widget import Widget
 
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns
 from archo_tui.text.graph import ResourceRow, resource_rows
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
-from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
+from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.rows import Rows
 
-_KIND_WIDTH = 8  # Cells of `service` and a blank.
-_GAP = 2
-_STRONG = "bold"
+_KIND_WIDTH = 7  # Cells of `service`.
 
 
 def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
-    """Return the widths of names, types, nodes and rates; of rates only if not all fit on a row."""
-    names = column((row.resource.name for row in rows), 0, width)
-    types = column((row.types for row in rows), 0, width)
-    nodes = column((row.who for row in rows), 0, width)
-    rate_width = column((row.rate for row in rows), 0, width)
-    room = width - _KIND_WIDTH - names - types - rate_width - 3 * _GAP
-    return (names, types, room, rate_width) if nodes <= room else (rate_width,)
+    """Return the widths of kinds, names, types, nodes and rates; of three if not all have room."""
+    texts = zip(*((r.resource.name, r.types, r.who, r.rate) for r in rows), strict=True)
+    name, types, who, rate = [column(each, 0, width) for each in texts] or (0, 0, 0, 0)
+    kind = _KIND_WIDTH, _KIND_WIDTH
+    bounds = kind, (name, name), (types, types), (who, width), (rate, rate)
+    columns = fit_columns(bounds, width, (0, 4, 1, 2, 3))
+    return (
+        columns if columns[3] else fit_columns((kind, (1, width), (rate, rate)), width, (0, 2, 1))
+    )
 
 
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
     """Return a row as `topic   /scan  sensor_msgs/msg/LaserScan  lidar  10.0 Hz`.
 
-    With one column only it takes two lines; mismatches of type or QoS stand below.
+    Without room for all columns it takes two lines; mismatches of type or QoS stand below.
     """
-    wrong = [
-        (f"  {line}", _STRONG)
-        for mismatch in row.resource.mismatches
-        for line in textwrap.wrap(mismatch, max(width - 2, 10))
-    ]
-    return [*_resource_lines(row, width, columns), *wrong]
-
-
-def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
-    kind, name = f"{row.resource.kind:<{_KIND_WIDTH}}", row.resource.name
-    style = "" if row.resource.nodes else QUIET
-    if len(columns) > 1:
-        names, types, nodes, rate_width = columns
-        rate = f"{row.rate:>{rate_width}}"
-        return [(f"{kind}{name:<{names}}  {row.types:<{types}}  {row.who:<{nodes}}  {rate}", style)]
-    room = width - _KIND_WIDTH - (columns[0] + _GAP if columns[0] else 0)
-    rate = f"  {row.rate:>{columns[0]}}" if columns[0] else ""
-    below = f"  {row.short_types}  {row.who}"
-    return [(f"{kind}{pad(name, max(room, 1))}{rate}", style), (crop(below, width), QUIET)]
+    kind, name, style = row.resource.kind, row.resource.name, "" if row.resource.nodes else QUIET
+    if len(columns) > 3:
+        texts = kind, name, row.types, row.who, row.rate
+        lines = [(in_columns(texts, columns, (4,)), style)]
+    else:
+        below = crop(f"  {row.short_types}  {row.who}", width)
+        lines = [(in_columns((kind, name, row.rate), columns, (2,)), style), (below, QUIET)]
+    wrong = (textwrap.wrap(text, max(width - 2, 10)) for text in row.resource.mismatches)
+    return [*lines, *((f"  {line}", "bold") for part in wrong for line in part)]
 
 
 class GraphPanel(Panel):
@@ -81,16 +71,6 @@ class GraphPanel(Panel):
     @property
     def selected(self) -> ResourceRow | None:
         """Return the row under the cursor; None in an empty list."""
-        return self._rows.item
-
-    def step(self, by: int, kind: str) -> ResourceRow | None:
-        """Move the cursor to the next (1) or previous (-1) row of a kind; None if there is none."""
-        following = range(self._rows.cursor + by, len(self._rows.items) if by > 0 else -1, by)
-        found = (n for n in following if self._rows.items[n].resource.kind == kind)
-        number = next(found, None)
-        if number is None:
-            return None
-        self._rows.move_to(number)
         return self._rows.item
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -18,11 +17,11 @@ from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
 from archo_tui.text.plot import plot_lines
 from archo_tui.text.state import ACTIVE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
-from archo_tui.widgets.line_widget import TextLines
-from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.line import TextLines
+from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
+_MAX_NAME = 11  # Cells of the name of a goal that ended, with blanks around it.
 _WITH_SECONDS = 240.0  # Seconds up to which the axis shows them.
 _MIN_ROWS = 3  # Of a plot.
 _MOST_NEEDED = 3  # Plots that are shown or, for want of room, none.
@@ -122,41 +121,18 @@ def _round_up(high: float) -> float:
 
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
-    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   3✓ 1✗`."""
-    groups: list[tuple[int, list[Goal]]] = []  # With the cell where each begins, from the right.
+    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   ✗ 12`."""
+    row, names = [" "] * cells, dict[int, str]()
     for goal in ends:
-        place, group = cells - 1 - int((now - goal.time) / span * cells), [goal]
-        if not 0 <= place < cells:
-            continue
-        while groups and place + len(_mark_text(group)) >= groups[-1][0]:  # A blank is between.
-            group = groups.pop()[1] + group
-            place = max(min(place, cells - len(_mark_text(group))), 0)
-        groups.append((place, group))
-    row = [" "] * cells
-    for place, group in groups:
-        row[place : place + len(_mark_text(group))] = _mark_text(group)
-    for place, group in groups:
-        text = f"{_mark_text(group)} {_short_target(group[0])}".rstrip() if len(group) == 1 else ""
-        at = min(place, cells - len(text))
-        before = row[max(at - 1, 0) : place] if at < place else []
-        around = before + row[place + 1 : at + len(text) + 2]  # Two blanks behind a name.
-        if text and at >= 0 and set(around) <= {" "}:
-            row[place] = " "
-            row[at : at + len(text)] = text
-    return "".join(row[:cells])
-
-
-def _mark_text(group: Sequence[Goal]) -> str:
-    """Return the glyph of a goal's end; for several goals, the number of each glyph: `3✓ 1✗`."""
-    glyphs = Counter(_GLYPHS.get(goal.phase, "✗") for goal in group)
-    if len(group) == 1:
-        return next(iter(glyphs))
-    return " ".join(f"{glyphs[glyph]}{glyph}" for glyph in "✓?✗" if glyphs[glyph])
-
-
-def _short_target(goal: Goal) -> str:
-    short = goal.target if goal.mine else ""
-    return short if len(short) <= 8 else ""
+        place = cells - 1 - int((now - goal.time) / span * cells)
+        if 0 <= place < cells and row[place] != "✗":  # Of several, one that failed is told.
+            row[place] = _GLYPHS.get(goal.phase, "✗")
+            names[place + 1] = f" {goal.target}  " if goal.mine and goal.target else ""
+    for begin, name in names.items():
+        free = row[begin : begin + len(name)]
+        if len(free) == len(name) <= _MAX_NAME and set(free) <= {" "}:
+            row[begin : begin + len(name)] = name
+    return "".join(row)
 
 
 def _time_axis(view: View, span: float, cells: int) -> str:

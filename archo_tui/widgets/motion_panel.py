@@ -9,11 +9,9 @@ from textual.content import Content
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.text.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import aligned, content
+from archo_tui.widgets.field import Button
+from archo_tui.widgets.line import Line, aligned, content
+from archo_tui.widgets.panel import Panel, ScreenState
 
 
 class MotionPanel(Panel, can_focus=True):

@@ -12,41 +12,39 @@ from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns, pad
 from archo_tui.text.nodes import NodeRow, node_rows
 from archo_tui.text.state import PLAIN, STRONG, age_text
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
-from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
+from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.rows import Rows
 
-_MARK_WIDTH, _AGE_WIDTH = 2, 6  # Cells.
-_RATE_WIDTH, _SHORT_RATE_WIDTH = 9, 7  # Cells of ` 1.0 Hz` and of ` 1.0Hz`, with blanks before.
-_NAME_WIDTH, _MIN_NAME_WIDTH = 16, 8  # Cells of a name; of one beside which a rate is shown.
+_MARK_WIDTH, _AGE_WIDTH, _NAME_WIDTH = 2, 5, 16  # Cells; of a name at least.
 _NARROW = 30  # Such a panel is also low: a crashed node must not hide the others.
 _KEYS = (("start_stop", "start/stop"), ("copy", "copy"))
+# That it crashed, and in which line: what is said of it is read first.
+_HEADS = re.compile(r"^(crashed: |not restarted: |line \d+: )+")
 _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
+def _rate(row: NodeRow) -> str:
+    return "" if row.state.rate is None else f"{row.state.rate:.1f} Hz"
+
+
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
-    """Return the widths of the names and of the rates; 0 for the rates if they have no room."""
-    room = width - _MARK_WIDTH - _AGE_WIDTH
-    names = column((row.label for row in rows), _NAME_WIDTH, room)
-    if names + _RATE_WIDTH <= room:
-        return names, _RATE_WIDTH
-    short = room - _SHORT_RATE_WIDTH
-    if short < _MIN_NAME_WIDTH or all(row.state.rate is None for row in rows):
-        return names, 0
-    longest = column((row.label for row in rows), 0, room)
-    if longest + _RATE_WIDTH <= room:  # Not even the longest name needs all of the usual width.
-        return longest, _RATE_WIDTH
-    return min(longest, short), _SHORT_RATE_WIDTH
+    """Return the widths of names, which have what the others leave, ages and rates."""
+    rate = column(map(_rate, rows), 0, width)
+    name = column((row.label for row in rows), 0, width)
+    bounds = (1, name), (_AGE_WIDTH, _AGE_WIDTH), (rate, rate and rate + 2)
+    room = width - _MARK_WIDTH
+    widths = fit_columns(bounds, room, (0, 1, 2), gap=1)
+    rest = room - sum(widths) - sum(map(bool, widths[1:]))
+    return max(widths[0] + rest, 0), *widths[1:]
 
 
-def node_titles(width: int, columns: Columns) -> str:
+def node_titles(columns: Columns) -> str:
     """Return the line with the titles of the columns: `node    heard   rate`."""
-    numbers = f"{'heard':>5}{'rate':>{columns[1]}}" if columns[1] else "heard"
-    room = max(width - _MARK_WIDTH - columns[0], 0)  # A hidden list has no width.
-    return f"{'':{_MARK_WIDTH}}{'node':{columns[0]}}{numbers:>{room}}"
+    return f"{'':{_MARK_WIDTH}}{in_columns(('node', 'heard', 'rate'), columns, (1, 2), gap=1)}"
 
 
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
@@ -63,41 +61,18 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     style = _STYLES.get(tone, QUIET)
     if row.is_faulty:
         word += " (enter: traceback)"
-    name = f"{glyph} {pad(row.label, columns[0])} "
+    name = f"{glyph} {row.label:<{_NAME_WIDTH}} "
     if word and len(name + word) > width:
         room = max(width - _MARK_WIDTH, 10)
         more = textwrap.wrap(word, room)
         if width < _NARROW and len(more) > 1:
-            more = [_crop_at_word(word, room)]
-        name = f"{glyph} {pad(row.label, max(columns[0], room))}"  # No numbers stand beside it.
+            more = [crop(_HEADS.sub("", word), room)]
+        name = f"{glyph} {pad(row.label, room)}"
         return [(name, style), *((f"  {line}", style) for line in more)]
     if word:
         return [(name + word, style)]
-    heard, rate = row.state.heard, row.state.rate
-    ago = "" if heard is None else age_text(row.second - heard)
-    rate_text = "" if rate is None else f"{rate:.1f} Hz"
-    if columns[1] == _SHORT_RATE_WIDTH:
-        rate_text = rate_text.replace(" ", "")
-    numbers = f"{ago:>5}{rate_text:>{columns[1]}}" if columns[1] else f"{ago:>5}"
-    room = max(width - _MARK_WIDTH - columns[0] - 1, 0)
-    return [(f"{name}{numbers:>{room}}", style)]
-
-
-def _crop_at_word(text: str, width: int) -> str:
-    """Return what is wrong with a node in at most `width` cells, cut behind a whole word.
-
-    That it crashed, and in which line, is left out: what is said of it is read first.
-    """
-    reason = re.sub(r"^(crashed: |not restarted: |line \d+: )+", "", text)
-    cut = textwrap.shorten(reason, width, placeholder=" …")
-    if 3 * len(cut) > 2 * width:
-        return cut
-    head = cut.removesuffix("…")
-    if not head:
-        return crop(reason, width)
-    # A long word, as the name of a package, keeps its end: `no package my_r…faces`.
-    word = reason[len(head) :].split(" ")[0].rstrip(":,")
-    return f"{head}{pad(word, width - len(head))}".rstrip()
+    ago = "" if row.state.heard is None else age_text(row.second - row.state.heard)
+    return [(f"{glyph} {in_columns((row.label, ago, _rate(row)), columns, (1, 2), gap=1)}", style)]
 
 
 def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
@@ -161,6 +136,5 @@ class NodesPanel(Panel):
             # Equal rows stay the same objects, so that only changed ones are laid out.
             self._rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
         if self._rows.columns:
-            width = self._rows.scrollable_content_region.width
-            titles = node_titles(width, self._rows.columns)
+            titles = node_titles(self._rows.columns)
             self._titles.show(Content.styled(titles if self._rows.items else "", "bold"))

@@ -13,14 +13,15 @@ from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
+from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns
+from archo_tui.widgets.field import Search
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
-from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
-from archo_tui.widgets.search import Search
+from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.rows import Rows
 
 _NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
-_TYPE_WIDTH, _RANGE_WIDTH = (8, 9), (7, 11)
+_TITLES, _MARK = ("node", "name", "value  ", "type", "allowed"), " *"
+_TYPE_WIDTH, _RANGE_WIDTH = (7, 9), (7, 11)
 _STANDARD_NAMES = ("use_sim_time", "start_type_description_service")
 _STANDARD_PREFIX = "qos_overrides."
 _WAITING = "? waiting for the nodes to report their parameters"
@@ -150,7 +151,7 @@ class ParametersPanel(Panel):
 
     def _show_titles(self) -> None:
         columns = self._rows.columns or parameter_columns((), self._rows.size.width, 0)
-        titles = _line("node", "name", "value", "", "type", "allowed", columns)
+        titles = in_columns(_TITLES, columns[:-1], (2,))
         self._titles.show(Content.styled(titles, "bold"))
 
 
@@ -175,58 +176,39 @@ def parameter_columns(
     If space is short, types are hidden first, then ranges, then nodes; a value is never cut.
     Descriptions have lines of their own if all of them have room.
     """
-    value = column((_value_text(p, both)[: _VALUE_WIDTH[1]] for p in parameters), *_VALUE_WIDTH)
-    room = width - value - _NAME_WIDTH - 3  # Blanks, and the mark of a change.
-    least, most = _NODE_WIDTH
-    node = least if room >= least + 2 else 0
-    room -= node + 2 if node else 0
-    ranges = [range_text(p) for p in parameters]
-    allowed = column(ranges, *_RANGE_WIDTH)
-    allowed = allowed if node and room >= allowed + 2 else 0
-    room -= allowed + 2 if allowed else 0
+    nodes = column((p.node.lstrip("/") for p in parameters), *_NODE_WIDTH)
+    names = column((p.name for p in parameters), _NAME_WIDTH, width)
+    values = (_value_text(p, both)[: _VALUE_WIDTH[1]] for p in parameters)
+    value = column(values, *_VALUE_WIDTH) + len(_MARK)
     kind = column((p.type for p in parameters), *_TYPE_WIDTH)
-    kind = kind if allowed and room >= kind + 1 else 0
-    room -= kind + 1 if kind else 0
-    if allowed:
-        more = column(ranges, allowed, allowed + max(room, 0)) - allowed
-        allowed, room = allowed + more, room - more
-    if node:
-        nodes = {p.node.lstrip("/") for p in parameters}
-        node = column(nodes, least, min(most, least + max(room, 0)))
-        room -= node - least
-    name = column((p.name for p in parameters), _NAME_WIDTH, _NAME_WIDTH + max(room, 0))
+    ranges = [range_text(p) for p in parameters]
+    bounds = (
+        (_NODE_WIDTH[0], nodes),
+        (_NAME_WIDTH, names),
+        (value, value),
+        (kind, kind),
+        (column(ranges, *_RANGE_WIDTH), column(ranges, 0, width)),
+    )
+    columns = fit_columns(bounds, width, (2, 1, 0, 4, 3))
     lines = len(parameters) + sum(bool(p.description) for p in parameters)
-    described = max(width - node - 2, 0) if lines <= rows else 0
-    return node, name, value, kind, allowed, described
+    return *columns, max(width - columns[0] - 2, 0) if lines <= rows else 0
 
 
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if changed."""
+    """Return `motor_controller  max_speed   0.5 *  double  0.05 .. 2`, bold if changed."""
     node, *_, described = columns
-    line = _line(
+    value = harmless(_value_text(parameter, both))
+    texts = (
         parameter.node.lstrip("/"),
         harmless(parameter.name),
-        harmless(_value_text(parameter, both)),
-        "*" if parameter.is_changed else "",
+        f"{value}{_MARK if parameter.is_changed else ' ' * len(_MARK)}",
         parameter.type,
-        range_text(parameter),
-        columns,
+        crop(range_text(parameter), columns[4]),
     )
-    lines = [(line, "bold" if parameter.is_changed else "")]
+    lines = [(in_columns(texts, columns[:-1], (2,)), "bold" if parameter.is_changed else "")]
     if described and parameter.description:
         indent = " " * (node + 2 if node else 0)
         lines.append((f"{indent}{crop(parameter.description, described)}", QUIET))
     return lines
-
-
-def _line(
-    node: str, name: str, value: str, mark: str, kind: str, allowed: str, columns: Columns
-) -> str:
-    nodes, names, values, kinds, ranges, _ = columns
-    left = f"{pad(node, nodes)}  " if nodes else ""
-    right = f"  {kind:<{kinds}}" if kinds else ""
-    allowed = crop(allowed, ranges)
-    right += f" {allowed}" if kinds else f"  {allowed}" if ranges else ""
-    return f"{left}{pad(name, names)} {value:>{values}} {mark:1}{right}".rstrip()

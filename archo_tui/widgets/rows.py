@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import accumulate
 from typing import Generic, TypeVar
 
-from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
@@ -16,37 +15,11 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.widgets.line_widget import LineWidget, not_drawn
+from archo_tui.text.columns import QUIET, Columns, Text, crop
+from archo_tui.text.state import not_drawn
+from archo_tui.widgets.line import LineWidget
 
 T = TypeVar("T")
-Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the theme's tone.
-QUIET = "$quiet"
-Columns = tuple[int, ...]  # Their widths, in cells.
-
-
-def pad(text: str, width: int) -> str:
-    """Return a text in exactly `width` cells: filled with blanks, or cut in its middle by `…`."""
-    if width <= 0:
-        return ""
-    if cell_len(text) > width:
-        head = set_cell_size(text, max(width - 1, 0) // 2)
-        tail = text[len(head) :]
-        while cell_len(head) + 1 + cell_len(tail) > width:
-            tail = tail[1:]
-        text = f"{head}…{tail}"
-    return text + " " * (width - cell_len(text))
-
-
-def crop(text: str, width: int) -> str:
-    """Return a text in at most `width` cells, with `…` at its end if it is cut."""
-    if cell_len(text) > width:
-        text = text.rstrip()  # Blanks at the end need no ellipsis.
-    return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
-
-
-def column(texts: Iterable[str], least: int, most: int) -> int:
-    """Return the width of a column, in cells: that of its widest text, within bounds."""
-    return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
 class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):

@@ -12,12 +12,10 @@ from rclpy.parameter import Parameter
 from textual.app import App
 
 from archo_tui.widgets.bars import header
-from tests.support.console import BRISK, FAST, Console, click, console, screen_text, send
+from tests.support.console import FAST, click, console, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import stub_app
-
-KEYS = " g go to shelf   ? keys   c charge the battery"
 
 
 def bars(app: App[Any]) -> list[str]:
@@ -138,40 +136,6 @@ async def test_space_switches_nothing_that_is_not_seen_to_be_selected() -> None:
         await op.press("space")
         await op.until("no parameter is selected")
         assert op.app.view.snapshot.parameters == before
-
-
-async def test_the_first_keys_stand_below_the_header_until_the_first_goal_of_this_user() -> None:
-    async with console(*BRISK) as op:
-        await op.until(lambda: op.text.splitlines()[1].rstrip() == KEYS)
-        await op.press("g", "7", "enter")
-        await op.until("✓ ARRIVED")
-        assert op.text.splitlines()[1].strip() == ""
-    async with console(*BRISK) as op:
-        await op.until(lambda: op.app.main.goal.typed)
-        await op.settle()
-        op.app.tick()
-        assert op.text.splitlines()[1].strip() == ""
-
-
-async def test_an_alarm_comes_before_the_first_keys() -> None:
-    async with console(*FAST) as op:
-        await op.until(lambda: KEYS in op.text)
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        assert KEYS not in op.text
-
-
-async def test_who_only_watches_is_told_no_keys_to_begin_with() -> None:
-    async with console(*FAST, watch=True) as op:
-        await first_seen(op)
-        assert op.text.splitlines()[1].strip() == ""
-
-
-async def first_seen(op: Console) -> None:
-    """Wait until the console knows whether a goal was sent before, and shows it."""
-    await op.until(lambda: not op.app.has_sent)
-    op.app.tick()
-    await op.settle()
 
 
 async def test_only_a_namespace_that_tells_something_is_in_the_header() -> None:

@@ -28,6 +28,8 @@ async def test_a_goal_is_typed_driven_and_arrives() -> None:
         assert "go to shelf 12: accepted" in op.text
         sent = next(event for event in op.app.view.snapshot.events if "accepted" in event.text)
         assert sent.command.startswith("ros2 action send_goal /move_to_shelf")
+    kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
+    assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 
 
 async def test_the_way_left_and_the_time_are_shown_while_it_drives() -> None:
@@ -58,36 +60,6 @@ async def test_ctrl_c_cancels_while_typing() -> None:
         await op.until("● IDLE")
 
 
-async def test_keys_that_arrive_together_go_where_they_were_meant() -> None:
-    async with console(*FAST) as op:
-        for key in ("g", "7", "enter"):  # as in one packet over a slow line: no waiting between
-            op.app.post_message(_key(key))
-        await op.until("Arrived at shelf 7")
-
-
-async def test_enter_twice_sends_one_goal() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "9")
-        for _ in range(2):
-            op.app.post_message(_key("enter"))
-        await op.until("MOVING to 9")
-        await op.press("ctrl+c")
-        await op.until("✗ CANCELLED")
-        assert len(op.app.view.snapshot.history) == 1
-
-
-async def test_a_second_goal_waits_for_the_first_and_a_cancel_holds_it() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("MOVING to 12")
-        await op.press("3", "enter")
-        await op.until("then 3")
-        assert "MOVING to 12" in op.text
-        await op.press("ctrl+c")
-        await op.until("✗ CANCELLED")
-        await op.until("held: 3 (cancelled)   n continue   k skip")
-
-
 async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
     unlimited: Path,
 ) -> None:
@@ -111,13 +83,8 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
         await op.press("g")
         for typed, said in (
             ("abc", "Shelf: not a whole number: abc"),
-            ("1.5", "Shelf: not a whole number: 1.5"),
-            ("-1", "Shelf: at least 1, not -1"),
             ("0", "Shelf: at least 1, not 0"),
             ("41", "Shelf: at most 40, not 41"),
-            ("99999999999", "Shelf: at most 40, not 99999999999"),
-            ("９", "Shelf: not a whole number: ９"),
-            ("1_2", "Shelf: not a whole number: 1_2"),
             ("٣", "Shelf: not a whole number: ٣"),
         ):
             op.app.query_one("#goal-0", Input).value = typed
@@ -163,12 +130,6 @@ async def test_the_cancel_button_cancels() -> None:
         await op.until("✗ CANCELLED")
 
 
-def _key(name: str):  # type: ignore[no-untyped-def]
-    from textual.events import Key
-
-    return Key(name, name if len(name) == 1 else None)
-
-
 async def test_a_red_hint_leaves_with_the_next_key() -> None:
     async with console(*LONG) as op:
         await op.press("g", "ctrl+x")
@@ -183,14 +144,6 @@ async def test_a_red_hint_leaves_with_the_next_key() -> None:
         await op.until("Shelf: at most 40")
         await op.press("left")
         await op.until(lambda: "at most 40" not in op.text)
-
-
-async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
-    async with console(*FAST) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("✓  Arrived at shelf 12")
-    kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
-    assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 
 
 @pytest.mark.parametrize("together", corners([True], [False]))

@@ -22,7 +22,7 @@ async def test_r_resets_c_charges_and_a_goal_is_refused_while_stopped() -> None:
         await op.until("15 420 ticks")
         await op.press("r")
         await op.until("        0 ticks")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
 
         await op.press("c")
         await op.until("↯ CHARGING")
@@ -59,7 +59,7 @@ async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> N
         await op.press("r")
         await op.until("Reset encoder now?")
         await op.press("tab", "enter")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("ctrl+c")
 
 

@@ -77,7 +77,7 @@ async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> N
         await op.until("✓ ARRIVED")
         assert "Arrived at shelf 12" in op.line("✓ ARRIVED")
         await op.until("✓ arrived (another client)")
-        await op.until("another client's goal arrived: shelf 12")
+        await op.until("another client's goal arrived: Arrived at shelf 12")
         assert other.told == [GoalStatus.STATUS_SUCCEEDED]
 
 
@@ -263,9 +263,9 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
             assert not any("_archo_console" in node.name for node in second.snapshot.nodes)
             await until(lambda: "reset_encoder" in second.snapshot.offered)
             assert (await ended(reset(second))).ok
-            await op.until("reset encoder: zero")
+            await op.until("reset encoder: Encoder reset to zero")
             name = op.app.view.snapshot.consoles[0]
-            assert f"✓  {name}: reset encoder: zero" in op.text
+            assert f"✓  {name}: reset encoder: Encoder reset to zero" in op.text
             events = op.app.view.snapshot.events
             (event,) = [event for event in events if event.text.startswith("reset encoder")]
             assert event.audit_record == ("reset", {}, Code.DONE)

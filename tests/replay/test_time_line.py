@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import shutil
 from datetime import datetime
 from pathlib import Path
 
-import pytest
 from textual.widgets import Button
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.palette_choices import palette_choices
+from archo_tui.commands.palette import palette_choices
+from archo_tui.commands.replay import TimeLine
 from archo_tui.widgets.field import Field
-from archo_tui.widgets.time_line import TimeLine
-from tests.replay.recorded import Watcher, replay, written
-from tests.support import clock
+from tests.replay.recorded import Watcher, replay
 from tests.support.archo import ARCHO
-from tests.support.console import BRISK, click, console
+from tests.support.console import click
 
 BEGIN = 1_700_000_000.0
 # what a console does and a replay does not; what is new has to find its room here, or there
@@ -29,7 +26,6 @@ ACTS = {
     *(
         "call",
         "describe_robot",
-        "other_robot",
         "ack",
         "edit",
         "restore",
@@ -41,29 +37,6 @@ ACTS = {
     ),
     *("copy", "keep", "recordings", "quiet_alarms", "charge", "reset"),
 }
-
-
-_driven: list[Path] = []
-
-
-@pytest.fixture
-async def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """To a shelf in 1.5 s, and a STOP: recorded once for all tests."""
-    if not _driven:
-        made = await _drive()
-        _driven.append(tmp_path_factory.mktemp("drive") / made.name)
-        shutil.copytree(made, _driven[0])
-    return _driven[0]
-
-
-async def _drive() -> Path:
-    async with console(*BRISK) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("✓ ARRIVED")
-        await op.at(clock.seconds() + 1.0)
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        return await written(op)
 
 
 def at(watcher: Watcher) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.state.frames import MOST_FRAMES, Frame, Transforms, faults, with_transforms
-from archo_tui.text.frames import NONE, transform_lines
+from archo_tui.text.graph import NONE, transform_lines
 
 WALL = 1_000_000.0  # Unix time at the time 0 of the tests.
 

@@ -61,7 +61,7 @@ async def test_its_transitions_are_buttons_in_its_dialog_and_ask() -> None:
         await op.until("lifecycle   inactive")
         await op.until("Activate")
         await op.press("escape")
-        await op.until("lifecycle navigator configure: inactive")
+        await op.until("lifecycle navigator configure: navigator is inactive")
 
 
 async def test_a_refusal_names_the_inactive_server() -> None:

@@ -86,7 +86,7 @@ async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> Non
         await op.until("charging: not reported")
         assert "-- V" in op.text
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("ctrl+c")

@@ -8,7 +8,6 @@ the same state, and the robot must have been asked for the same.
 from __future__ import annotations
 
 import asyncio
-import math
 import random
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
@@ -18,7 +17,6 @@ from typing import Any
 
 import pytest
 from textual import events, widgets
-from textual.geometry import Region
 from textual.message import Message
 
 from archo_tui.app import ArchoApp
@@ -28,8 +26,7 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.screens.dismissable import Dismissable
-from archo_tui.station import form_history
+from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.panel import Panel
@@ -152,7 +149,6 @@ class Desk:
         app.station.goals.queue = GoalQueue()
         app.station.edits.__init__()  # type: ignore[misc]
         app.clear_notifications()
-        app._gone_notice = Region(), -math.inf  # Else a click there is dropped for some time.
         app.clear_selection()
         self.robot.put(self._snapshot)
         self.robot.asked.clear()
@@ -162,9 +158,7 @@ class Desk:
     def state(self) -> list[object]:
         """What a person sees and can go on with, and what the robot was asked for."""
         app = self.app
-        standing = [
-            s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.is_dismissed)
-        ]
+        standing = [s for s in app.screen_stack if not (isinstance(s, Dialog) and s.is_dismissed)]
         found: list[object] = [self.robot.asked[:], app.theme]
         found += [[panel.number for panel in app.main.query(Panel) if panel.has_class("-fills")]]
         for screen in standing:
@@ -225,7 +219,6 @@ def messages(keys: list[str]) -> list[list[Message]]:
 def _no_files(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write no file, and let no button be dead while it shows that it was pressed."""
     monkeypatch.setattr(save_load, "write_atomically", lambda *_: None)
-    monkeypatch.setattr(form_history, "add", lambda *_: None)
     monkeypatch.setattr(widgets.Button, "_start_active_affect", lambda _: None)
 
 

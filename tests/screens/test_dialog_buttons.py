@@ -6,7 +6,7 @@ import pytest
 from textual.color import Color
 
 from archo_tui.app import ArchoApp
-from archo_tui.widgets.button import Button
+from archo_tui.widgets.field import Button
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.keyed_app import HELD
-from archo_tui.widgets.notices import NoticeLine
+from archo_tui.widgets.bars import NoticeLine
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console
 
@@ -101,22 +100,3 @@ async def test_the_stop_button_is_pressed_through_a_notice() -> None:
         assert notice.region.contains(button.region.x, button.region.y)
         click(op.app, button.region.x + 1, button.region.y)
         await op.until(lambda: op.app.view.snapshot.is_stopped)
-
-
-async def test_a_double_click_on_a_notice_does_nothing_to_what_lies_below() -> None:
-    async with console(*FAST) as op:
-        op.app.has_sent = False
-        op.app.update_screen()
-        await op.settle()
-        column = op.text.splitlines()[1].index("charge the battery")
-        op.app.show_message("something that is so long that it is over the hint to charge")
-        await op.settle()
-        click(op.app, column, 1)
-        click(op.app, column, 1)
-        await op.until("c charge the battery")
-        await op.at(seconds() + 2.0)
-        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
-        region, since = op.app._gone_notice
-        op.app._gone_notice = region, since - HELD
-        click(op.app, column, 1)
-        await op.until(lambda: op.app.view.snapshot.battery.charging)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.clock import time_of_day
-from archo_tui.commands.lists import AlarmRow, alarm_lines
+from archo_tui.commands.alarms import AlarmRow, alarm_lines
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.frames import Frame, Transforms
 from archo_tui.robot.state.goal import Phase
@@ -39,7 +39,7 @@ from archo_tui.station.conditions import (
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.widgets.bars import banner, header
-from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.panel import ScreenState
 from tests.support.alarms import conditions
 from tests.support.clock import NOW
 from tests.support.states import BATTERY, MOTOR, NORMAL, STATES

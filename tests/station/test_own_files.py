@@ -12,7 +12,6 @@ import pytest
 
 from archo_tui import regular_files
 from archo_tui.paths import config_file, state_file
-from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from archo_tui.terminal.stderr import guarded_streams
 
@@ -36,24 +35,6 @@ def misplaced(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
         return path
 
     return put
-
-
-def test_what_was_typed_before_is_not_known(misplaced: Callable[[Path], Path]) -> None:
-    misplaced(state_file("typed.json"))
-    assert form_history.load("shelf") == []
-
-
-def test_what_is_typed_is_kept_where_a_file_can_be(misplaced: Callable[[Path], Path]) -> None:
-    path = misplaced(state_file("typed.json"))
-    form_history.add("shelf", ["7"])
-    assert form_history.load("shelf") == ([] if path.is_dir() else [["7"]])
-
-
-def test_nested_without_end_nothing_was_typed() -> None:
-    file = state_file("typed.json")
-    file.parent.mkdir(parents=True)
-    file.write_text("[" * 200_000)
-    assert form_history.load("shelf") == []
 
 
 def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:

@@ -69,8 +69,8 @@ def test_a_paste_that_stalls_is_whole_and_its_way_out_is_said_once() -> None:
     assert keyboard.pastes == ["12345"]
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.05, 0.12, 0.3, 2.5, 70.0])
-@pytest.mark.parametrize("length", [1, 2, 3, 5, 7])
+@pytest.mark.parametrize("gap", [0.0, 0.05, 0.12, 2.5])
+@pytest.mark.parametrize("length", [1, 2, 7])
 def test_nothing_of_a_paste_that_stalls_is_a_key(length: int, gap: float) -> None:
     text = (
         ("agrsyq7\r\x18gr" if length > 1 else "agrsyq7\rgr") * 3

@@ -105,24 +105,6 @@ def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
     assert not [text for text in said() if "accepted" in text]
 
 
-@pytest.mark.parametrize("opened_before", [True, False])
-def test_a_number_typed_in_the_palette_before_a_stop_does_not_drive(
-    opened_before: bool, terminals: list[Terminal]
-) -> None:
-    terminal = Terminal(*SLOW)
-    terminals.append(terminal)
-    terminal.until("● motor_controller")
-    terminal.write("\x10")
-    if opened_before:
-        terminal.until("type to narrow")
-    terminal.write("12\r\x18")
-    until_said("STOP: confirmed")
-    terminal.until("R releases")
-    terminal.write("\x11")
-    assert terminal.exit_code() == 0
-    assert not [text for text in said() if "accepted" in text]
-
-
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there its service may not be found yet")
 def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
@@ -204,23 +186,5 @@ def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> Non
         terminal.write("\x11")
         assert terminal.exit_code() == 0
         assert not [text for text in said() if text.startswith("set ")]
-
-    until_held(story, terminals)
-
-
-def test_enter_held_in_shelf_sends_one_goal(terminals: list[Terminal]) -> None:
-    def story() -> None:
-        terminal = Terminal(*SLOW)
-        terminals.append(terminal)
-        terminal.until("max_speed")
-        terminal.write("g12")
-        hold(terminal, "\r", 3.0)
-        until_said("go to shelf 12: accepted")
-        terminal.write("\x18")
-        until_said("shelf 12 aborted")
-        terminal.until("ABORTED")
-        terminal.write("\x11")
-        assert terminal.exit_code() == 0
-        assert len([text for text in said() if text.startswith("go to")]) == 1
 
     until_held(story, terminals)

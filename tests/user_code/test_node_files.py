@@ -44,7 +44,7 @@ async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
         await op.until("● greeter")
         await op.until("warnings + your commands and nodes")
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
 
 
 async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> None:

@@ -14,7 +14,6 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.session import _robots_nodes
-from archo_tui.text.event_rows import event_rows
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import fault_text, plain_text
 from archo_tui.widgets.events_panel import event_lines, events_as_text
@@ -25,15 +24,15 @@ from tests.support.states import STATES
 
 def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:
     event = Event(0.0, "INFO", "server", "Incoming request\na: 2 b: 3")
-    (row,) = event_rows([event], ())
-    assert row.text == "Incoming request a: 2 b: 3"
+    ((line, _),) = event_lines(event, 80, ())
+    assert line.endswith("Incoming request a: 2 b: 3")
     assert events_as_text([event]).count("\n") == 1
 
 
 def test_another_type_is_named_in_the_row_and_in_the_battery_panel() -> None:
     other = "archo_interfaces/msg/BatteryStatus or std_msgs/msg/Float32"
     fault = f"battery_level is std_msgs/msg/String: expected {other}"
-    (row,) = event_rows([Event(0.0, "WARN", "console", fault)], ())
+    row = Event(0.0, "WARN", "console", fault)
     ((line, _),) = event_lines(row, 78, (0,))
     assert line.endswith("battery_level is String: expected BatteryStatus or Float32")
     ((line, _),) = event_lines(row, 140, (0,))
@@ -48,12 +47,12 @@ def test_another_type_is_named_in_the_row_and_in_the_battery_panel() -> None:
 async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.until("✓  charge")
         await op.press("6", "slash")
         await op.type("ENCODER")
         await op.until(lambda: "✓  charge" not in op.text)
-        assert "reset encoder: zero" in op.text
+        assert "reset encoder: Encoder reset to zero" in op.text
         await op.press("enter")
         assert op.app.focused is not None
         assert op.app.focused.id == "event-list"
@@ -102,7 +101,8 @@ async def test_page_keys_move_by_what_is_seen() -> None:
         page, last = height - 1, len(events.shown) - 1
         assert places == [page, 2 * page, page, last, last - page, 0]
         await op.press("pagedown")
-        assert events.selected[0].text in op.text
+        assert events.selected is not None
+        assert events.selected.text in op.text
 
 
 async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
@@ -115,7 +115,7 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until("this event has no command")
         assert op.app.clipboard == "only text"
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("c")
         await op.until("✓  charge")
         await op.press("down", "y")
@@ -125,20 +125,10 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
 
 
-async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -> None:
-    async with console(*FAST, size=(160, 48)) as op:
-        await op.press("6", "e")
-        await op.until(lambda: "1 Battery" not in op.text)
-        assert "6 Events" in op.text
-        assert "7 History" not in op.text
-        assert op.focused_panel == 6
-        assert "esc back" in op.text
-
-
 async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_room() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("6", "enter")
         await op.until("reset encoder: Encoder reset to zero")
         assert "$ ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder" in op.text
@@ -148,7 +138,7 @@ async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_ro
         before = op.app.main.parameters.size.height
         await op.press("6", "slash", *"encoder")
         await op.until("1 of ")
-        assert "reset encoder: zero" in op.text
+        assert "reset encoder: Encoder reset to zero" in op.text
         await op.press("escape")
         await op.until(lambda: "1 of " not in op.text)
         assert op.app.main.parameters.size.height == before
@@ -167,7 +157,7 @@ async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_ro
 async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("c")
         await op.until("↯ CHARGING")
         await op.press("6", "down")
@@ -226,7 +216,7 @@ async def test_the_events_that_are_shown_are_saved_with_their_commands(
     monkeypatch.chdir(tmp_path)
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("reset encoder: zero")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
         await op.until("Saved to events.txt")
     (line,) = (tmp_path / "events.txt").read_text().splitlines()
@@ -251,17 +241,12 @@ async def test_the_events_that_are_shown_are_saved_with_their_commands(
 def test_a_glyph_tells_how_an_event_ended(level: str, code: Code | None, glyph: str) -> None:
     record = None if code is None else AuditRecord("go", {}, code)
     event = EventLog().add(Event(0.0, level, "console", "text", audit_record=record))
-    (row,) = event_rows([event], ())
-    ((line, _),) = event_lines(row, 80, ())
+    ((line, _),) = event_lines(event, 80, ())
     assert line.endswith(f"  {glyph}  text")
 
 
 def test_the_source_of_an_event_stands_before_it_unless_that_is_the_console() -> None:
-    peers, nodes = event_rows(
-        [Event(0.0, "PEER", "anna_lab", "STOP: confirmed"), Event(0.0, "WARN", "dashboard", "low")],
-        (),
-    )
-    ((line, _),) = event_lines(peers, 80, ())
+    ((line, _),) = event_lines(Event(0.0, "PEER", "anna_lab", "STOP: confirmed"), 80, ())
     assert line.endswith("·  anna_lab: STOP: confirmed")
-    ((line, _),) = event_lines(nodes, 60, ())
+    ((line, _),) = event_lines(Event(0.0, "WARN", "dashboard", "low"), 60, ())
     assert line.endswith("▲ low")

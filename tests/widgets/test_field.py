@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import random
 import re
-from pathlib import Path
 
 import pytest
 from textual import events
@@ -13,7 +11,7 @@ from textual._compositor import Compositor
 from textual.geometry import Size
 from textual.screen import Screen
 
-from archo_tui.screens.edit_parameter import EditParameter
+from archo_tui.commands.parameters import EditParameter
 from archo_tui.widgets.bars import FooterKey, footer
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
@@ -83,13 +81,7 @@ async def test_a_correction_in_one_write_is_what_the_robot_gets() -> None:
         names = op.parameters
         row = names.index("low_battery_threshold")
         op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
-        await op.until("low_battery_threshold 21.0: was")
-
-
-async def test_what_is_typed_behind_enter_is_not_part_of_what_was_entered() -> None:
-    async with console(*LONG) as op:
-        op.send("g", "7", "enter", "9")
-        await op.until("MOVING to 7")
+        await op.until("low_battery_threshold is 21.0, was")
 
 
 async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() -> None:
@@ -168,41 +160,6 @@ async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
         assert laid_out == []
         await op.press("escape", "h")
         assert laid_out != []
-
-
-async def pass_turns(number: int) -> None:
-    """Let the tasks of the screen have so many turns."""
-    for _ in range(number):
-        await asyncio.sleep(0)
-
-
-async def test_a_letter_is_text_behind_a_digit_at_whatever_moment_it_comes() -> None:
-    async with console(*FAST) as op:
-        await op.press("g")
-        field = op.app.focused
-        assert isinstance(field, Field)
-        for turns in range(0, 25, 4):
-            op.send("1")
-            await pass_turns(turns)
-            op.send("r")
-            await op.settle()
-            assert field.value == "1r", turns
-            await op.press("ctrl+u")
-        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
-
-
-async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes(
-    unlimited: Path,
-) -> None:
-    async with console(*FAST, robot=unlimited) as op:
-        await op.press("g")
-        for turns in range(0, 25, 6):
-            op.send("9", "9", "enter")
-            await pass_turns(turns)
-            op.send("question_mark")
-            await op.until("Keys")
-            await op.press("escape")
-            assert op.app.main.goal.fields[0].value == "", turns
 
 
 async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 from typing import Any
 
@@ -12,8 +11,15 @@ import pytest
 from archo_tui.robot.state.topic import FieldKind, FieldView, TopicView
 from archo_tui.terminal.ascii import in_ascii
 from archo_tui.text.state import plain_text
-from archo_tui.text.topic import element_index, range_text, sparkline, summary, value_text
-from archo_tui.widgets.field_lines import field_columns, field_line, topic_plots
+from archo_tui.text.topic import (
+    field_columns,
+    field_line,
+    range_text,
+    sparkline,
+    summary,
+    topic_plots,
+    value_text,
+)
 from tests.support.clock import TIME
 
 VALUE, ARRAY = FieldKind.VALUE, FieldKind.ARRAY
@@ -45,24 +51,6 @@ def test_a_range_is_short_and_names_what_is_nan() -> None:
     assert range_text(RANGES) == "1.81e-05 .. 10, 4 nan"
     assert range_text(SPEED._replace(least=130_002.4, greatest=137_976)) == "130 002 .. 137 976"
     assert range_text(SPEED._replace(least=None)) == ""
-
-
-@pytest.mark.parametrize(
-    ("typed", "length", "error"),
-    [
-        ("360", 360, "no element 360 of ranges: 0 .. 359"),
-        ("-1", 360, "no element -1 of ranges: 0 .. 359"),
-        ("1.5", 360, "no element 1.5 of ranges: 0 .. 359"),
-        ("\x1b[2J", 360, "no element �[2J of ranges: 0 .. 359"),
-        ("9" * 5000, 360, "no element 999999999999… of ranges: 0 .. 359"),
-        (" ", 360, "type an index of ranges: 0 .. 359"),
-        ("0", 0, "no element 0 of ranges: it is empty"),
-    ],
-)
-def test_an_index_that_is_none_is_refused_in_a_line(typed: str, length: int, error: str) -> None:
-    with pytest.raises(ValueError, match=f"^{re.escape(error)}$"):
-        element_index(typed, "scan.ranges", length)
-    assert element_index(" 359 ", "scan.ranges", 360) == 359
 
 
 def test_where_there_is_no_column_an_array_has_its_range_beside_its_shape() -> None:

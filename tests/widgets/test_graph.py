@@ -12,7 +12,7 @@ from archo_tui.robot.state.graph import Resource
 from tests.support import clock
 from tests.support.console import FAST, Console, console, send
 from tests.support.quiet import Quiet
-from tests.support.states import NORMAL, STATES
+from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, StubRobot, stub_app
 
 
@@ -123,18 +123,6 @@ async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back(size: tuple[
         assert app.main.focused_panel == 5
 
 
-async def test_tab_walks_from_the_history_to_the_graph_and_back() -> None:
-    app = stub_app(NORMAL, size=(160, 48))
-    async with app.run_test(size=(160, 48)):
-        quiet = Quiet(app)
-        seen = []
-        for key in ("6", "tab", "tab", "tab", "shift+tab"):
-            send(app, key)
-            await quiet.settle()
-            seen.append(app.main.focused_panel)
-        assert seen == [6, 7, 8, 1, 8]
-
-
 async def test_its_focus_and_full_screen_outlast_every_size() -> None:
     app = stub_app(NORMAL, size=(160, 48))
     async with app.run_test(size=(160, 48)) as pilot:
@@ -158,25 +146,6 @@ async def test_its_focus_and_full_screen_outlast_every_size() -> None:
             await pilot.resize_terminal(width, height)
             await quiet.settle()
         assert app.main.graph.region.height >= 5
-
-
-async def test_stop_works_in_it_and_in_what_enter_opens() -> None:
-    app = stub_app(STATES["motor moving"])
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
-    asked: list[str] = []
-    stop = robot.emergency_stop
-
-    def count() -> Any:
-        asked.append("stop")
-        return stop()
-
-    robot.emergency_stop = count  # type: ignore[attr-defined]
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
-        for keys in (["8"], ["enter"]):
-            send(app, *keys, "ctrl+x")
-            await quiet.settle()
-        assert len(asked) == 2
 
 
 async def test_it_costs_nothing_while_nothing_in_it_changes(

@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.commands.node_dialog import NodeDialog
+from archo_tui.commands.nodes import NodeDialog
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.stop.gate import NOT_SENT
 from tests.support.console import FAST, LONG, Console, console

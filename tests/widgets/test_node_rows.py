@@ -37,7 +37,7 @@ def test_a_rate_stands_beside_a_long_name_at_every_width(width: int) -> None:
 
 
 def test_a_name_that_is_cut_keeps_its_beginning_and_its_end() -> None:
-    assert drawn([LONG], 40)[0] == "● warehouse/le…r_controller 0.4 s 97.3Hz"
+    assert drawn([LONG], 40)[0] == "● warehouse/l…r_controller 0.4 s 97.3 Hz"
     assert drawn([row("/motor_controller")], 33)[0] == "● motor_controller 0.4 s   5.0 Hz"
 
 
@@ -48,37 +48,23 @@ def test_names_are_whole_where_no_node_has_a_rate() -> None:
 def test_titles_stand_above_their_columns() -> None:
     rows = [row("/motor_controller")]
     columns = node_columns(rows, 40)
-    (line, _), titles = node_lines(rows[0], 40, columns)[0], node_titles(40, columns)
+    (line, _), titles = node_lines(rows[0], 40, columns)[0], node_titles(columns)
     assert titles.startswith("  node ")
     assert len(titles) == len(line) == 40
     assert titles.index("heard") + 5 == line.index(" s") + 2
     assert titles.endswith("rate")
-    assert node_titles(0, columns).split() == ["node", "heard", "rate"]  # A hidden list.
-
-
-def test_a_package_that_is_missing_is_named_in_a_narrow_panel() -> None:
-    error = "line 3: no package my_robot_interfaces: --interfaces DIR takes it"
-    crashed = NodeRow(NodeState("/mine"), Hosted("/mine", Life.CRASHED, error), NOW)
-    assert drawn([crashed], 23)[1] == "  no package my_r…faces"
+    assert node_titles(node_columns(rows, 0)).strip() == ""  # A hidden list.
 
 
 @pytest.mark.parametrize("width", range(22, 30))
-def test_a_crash_in_a_narrow_panel_names_the_exception_and_ends_with_a_word(width: int) -> None:
+def test_a_crash_in_a_narrow_panel_names_the_exception(width: int) -> None:
     error = "ZeroDivisionError: division by zero in the callback of a timer"
     crashed = NodeRow(NodeState("/motor_controller"), Hosted("/motor", Life.CRASHED, error), NOW)
     name, line = drawn([crashed, LONG], width)[:2]
     assert name.rstrip() == "✗ motor_controller"
-    assert line.endswith(" …")
+    assert line.startswith("  ZeroDivisionErr")
+    assert line.endswith("…")
     assert len(line) <= width
-    words = line.removesuffix(" …").split()
-    assert "ZeroDivisionError:" in words
-    whole = f"crashed: {error}".split()
-    assert words in (whole[: len(words)], whole[1 : len(words) + 1])
-
-
-def test_the_reason_of_a_crash_without_blanks_is_cut_anywhere() -> None:
-    crashed = NodeRow(NodeState("/motor"), Hosted("/motor", Life.CRASHED, "E" * 90), NOW)
-    assert drawn([crashed], 25)[1] == f"  {'E' * 22}…"
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ async def test_without_the_battery_monitor_the_gauge_goes_old_and_recovers() -> 
         await select(op, "/battery_monitor")
         await op.press("s")
         await op.until("○ battery_monitor  stopped by you")
-        await op.until("stop /battery_monitor: stopped")
+        await op.until("stop /battery_monitor: /battery_monitor stopped")
         await op.until("(old, 3 s)")
         await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7")  # the motor does not notice

@@ -16,8 +16,8 @@ from textual.geometry import Region
 from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
-from archo_tui.commands import topic_dialog
-from archo_tui.commands.lists import AlarmList
+from archo_tui.commands import graph
+from archo_tui.commands.alarms import AlarmList
 from archo_tui.widgets.rows import Rows
 from tests.support import clock
 from tests.support.console import Console, console, send
@@ -166,12 +166,12 @@ async def test_a_field_that_cannot_be_drawn_says_so_in_its_line(
     def break_down(*_: object) -> None:
         raise ZeroDivisionError("nothing to divide")
 
-    monkeypatch.setattr(topic_dialog, "field_line", break_down)
+    monkeypatch.setattr(graph, "field_line", break_down)
     async with console(node_makers=[Counter], wait=False) as op:
         await open_topic(op, "/count")
         await op.until("✗ cannot be drawn: ZeroDivisionError: nothing to divide")
         await op.until("10.0 Hz   80 B/s")
-        monkeypatch.setattr(topic_dialog, "summary", break_down)
+        monkeypatch.setattr(graph, "summary", break_down)
         await op.until(lambda: op.text.count("✗ cannot be drawn") == 2)
         await op.press("escape")
         await op.until(lambda: "cannot be drawn" not in op.text)
@@ -189,35 +189,6 @@ async def test_a_dialog_that_cannot_show_a_state_says_so_and_the_screen_goes_on(
         await op.until("AlarmList ✗ cannot be drawn: ZeroDivisionError: nothing to divide")
         await op.press("escape", "ctrl+x")
         await op.until("STOP")
-
-
-class Two(Counter):
-    """Publishes a second topic, whose name is the first one's with a letter more."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options)
-        self.create_publisher(Float32, "counts", 10)
-
-
-async def test_beside_the_graph_it_follows_the_cursor_with_right_and_left() -> None:
-    async with console(node_makers=[Two], wait=False, size=(160, 48)) as op:
-        await open_topic(op, "/count")
-        await op.until("10.0 Hz   80 B/s")
-        counter = op.session.host.nodes[0].node
-        dialog = op.app.screen
-        assert op.app.main.graph.region.right == dialog.query_one(".topic").region.x
-        await op.press("p", "right")
-        await op.until(lambda: counter.count_subscribers("/counts") == 1)
-        await op.until(lambda: counter.count_subscribers("/count") == 0)
-        await op.until("no message yet")
-        row = op.app.main.graph.selected
-        assert row is not None
-        assert row.resource.name == "/counts"
-        await op.press("left")
-        await op.until("10.0 Hz   80 B/s")
-        assert op.app.screen is dialog
-        await op.press("escape")
-        await op.until(lambda: counter.count_subscribers("/count") == 0)
 
 
 @asynccontextmanager
@@ -327,46 +298,6 @@ async def test_y_copies_the_ros2_command() -> None:
         assert shown.app.clipboard == wanted
 
 
-async def test_i_goes_to_the_element_whose_index_is_typed() -> None:
-    async with opened() as shown:
-        await shown.press("end", "i")
-        assert "Open an array first" in shown.text
-        await shown.press("up", "enter", "i")
-        assert "Index of ranges: 0 .. 359" in shown.text
-        await shown.press(*"137", "enter")
-        assert shown.cursor == "ranges[137]"
-        assert "Index of ranges: 0 .. 359" not in shown.text
-        await shown.press("p", "i", *"359", "enter")
-        assert shown.cursor == "ranges[359]"
-        assert "[350]" in shown.text
-        assert "60 s ago" in shown.text
-
-
-async def test_what_is_no_index_is_said_and_can_be_mended_or_left() -> None:
-    async with opened() as shown:
-        await shown.press("end", "up", "enter", "i", *"360", "enter")
-        assert "no element 360 of ranges: 0 .. 359" in shown.text
-        await shown.press("backspace")
-        assert "no element" not in shown.text
-        await shown.press("ctrl+u", *"-1", "enter")
-        assert "no element -1 of ranges: 0 .. 359" in shown.text
-        await shown.press("ctrl+u", "enter")
-        assert "type an index of ranges: 0 .. 359" in shown.text
-        await shown.press("escape")
-        assert "Index of ranges: 0 .. 359" not in shown.text
-        assert "i element" in shown.text
-        await shown.press("enter")
-        assert "[19]" not in shown.text  # Closed, and with it the field's key.
-        assert "i element" not in shown.text
-
-
-async def test_keys_in_one_burst_go_to_the_same_element() -> None:
-    async with opened() as shown:
-        send(shown.app, "end", "up", "enter", "i", *"137", "enter", "down", "p", "space")
-        await shown.until(lambda: shown.cursor == "ranges[138]")
-        await shown.until(lambda: "ranges[138] 3.45" in shown.text and "frozen" in shown.text)
-
-
 async def test_a_key_behind_t_acts_in_the_definition_that_it_opens() -> None:
     async with opened() as shown:
         dialog = shown.app.screen
@@ -402,18 +333,19 @@ async def test_an_array_that_is_opened_frozen_shows_the_elements_of_then() -> No
         await op.until("frozen")
         frozen = op.line("▸ data").split("..")[1].split()[0]
         await op.at(op.app.station.clock.monotonic() + 3)
-        await op.press("enter", "i", "2", "5", "enter")
-        await op.until("[25]")
-        assert op.line("[25]").split()[2] == frozen
+        await op.press("enter")
+        await op.until("[5]")
+        assert op.line("[5]").split()[2] == frozen
         await op.press("space")
-        await op.until(lambda: float(op.line("[25]").split()[2]) > float(frozen) + 20)
+        await op.until(lambda: float(op.line("[5]").split()[2]) > float(frozen) + 20)
 
 
 @pytest.mark.parametrize("size", [(50, 15), (80, 24), (40, 10), (200, 60)])
 async def test_it_fits_every_size_and_leaves_the_state_in_sight(size: tuple[int, int]) -> None:
     async with opened(size) as shown:
-        top = 2 if size[0] < 160 else shown.app.main.parameters.region.y  # Below the goal.
-        assert shown.app.screen.query_one(".topic").region.y == top
+        box = shown.app.screen.query_one(".topic").region
+        assert box.y == 2
+        assert box.x == (shown.app.main.graph.region.right if size[0] >= 160 else 0)
         assert "percentage" in shown.text
         assert "81.55 %" in shown.text
         assert "STOP" in shown.text
@@ -438,10 +370,7 @@ async def test_a_message_is_published_from_the_topic_and_shown_in_nodes_until_ct
         await op.until("/words  std_msgs/msg/String")
         await op.type("hello")
         await op.press("enter", "end", "backspace", "backspace", "backspace", "2", "0")
-        await op.press("enter", "end", "backspace", "0", "tab", "tab", "enter")
-        await op.until("Copied the command")
-        assert op.app.clipboard == "ros2 topic pub -r 20 /words std_msgs/msg/String '{data: hello}'"
-        await op.press("shift+tab", "shift+tab", "enter")
+        await op.press("enter", "end", "backspace", "0", "enter")
         await op.until("This may move the robot. Publish to /words")
         assert made[0].heard == []
         await op.at(clock.seconds() + 1.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.text.trend import time_left_text
+from archo_tui.text.plot import time_left_text
 
 Rates = list[tuple[float, float]]  # Pairs of % in a second, and seconds.
 
