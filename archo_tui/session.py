@@ -337,10 +337,10 @@ class Session:
             listening=self._listening,
         )
 
-    def _attachments(self, begin: float, end: float) -> dict[str, str]:
+    def _attachments(self) -> dict[str, str]:
         from archo_tui.recordings.console import attachments
 
-        return attachments(self.file, journal_file(), begin, end)
+        return attachments(self.file)
 
     def _watched_files(
         self, interfaces: dict[str, Path]

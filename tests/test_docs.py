@@ -30,7 +30,7 @@ from archo_tui.commands.replay import replay_commands
 from archo_tui.embedded import parameter_files
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES
-from archo_tui.station import alarms
+from archo_tui.station import conditions
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import YES, named
 from archo_tui.yaml_text import bounded_yaml
@@ -470,7 +470,7 @@ def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
     told = [(codes(row["alarm"])[0], codes(row["priority"])[0], row["after"]) for row in rows]
     assert told == [
         (kind.name, kind.priority.value, f"{kind.delay:g} s" if kind.delay else "")
-        for kind in alarms.KINDS
+        for kind in conditions.KINDS
     ]
 
 

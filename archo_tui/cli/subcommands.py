@@ -111,7 +111,7 @@ def replay(options: Namespace) -> int:
     bag = open_bag(options.recording)
     robot = load_robot_file(bag, options.robot)
     if options.text:
-        from archo_tui.recordings.replay.report import report_lines
+        from archo_tui.recordings.replay.player import report_lines
 
         for line in report_lines(bag, robot):
             print(safe(line))

@@ -12,9 +12,8 @@ from archo_tui.commands.base import Command, Desk, VerbCommand
 from archo_tui.commands.request import AnswerRequest
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Form, ListDialog
-from archo_tui.station.alarm_board import SHELF_TIME
-from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent, is_diagnostic
-from archo_tui.station.conditions import diagnostics_worst_first
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, any_urgent, is_diagnostic
+from archo_tui.station.conditions import Priority, diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.text.alarm import diagnostic_line, no_alarms_text, no_diagnostics_text, timeline
 from archo_tui.text.columns import QUIET, Columns, Text

@@ -21,7 +21,8 @@ from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.dialog import ListDialog
-from archo_tui.station.alarms import AlarmState, Priority
+from archo_tui.station.alarms import AlarmState
+from archo_tui.station.conditions import Priority
 from archo_tui.system import command_line
 from archo_tui.terminal.app import start_worker
 from archo_tui.text.columns import Columns, Text, crop

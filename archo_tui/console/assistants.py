@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.client.protocol import timeout_of, words_of
-from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.clients import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report

@@ -25,7 +25,7 @@ from archo_tui.console.printing import Output, Printer
 from archo_tui.console.session import RequestHandler, Session
 from archo_tui.console.typing import Input, TypedLine
 from archo_tui.errors import ArchoError
-from archo_tui.robot.clients.requester import YOU
+from archo_tui.robot.clients import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase

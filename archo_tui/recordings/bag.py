@@ -5,24 +5,48 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from archo_tui.errors import in_one_line
-from archo_tui.recordings.ring import ReceivedMessage
 from archo_tui.recordings.store import METADATA
-from archo_tui.robot.messages.cdr import serialize
 from archo_tui.robot.messages.definitions import definition
 from archo_tui.robot.messages.types import name_of
 
 _METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
 _MCAP_NAME = "recording_0.mcap"
 _CHUNK_SIZE = 64 * 1024  # Bytes of a chunk; a damaged byte costs all of it.
+_OBJECT_BYTES = 150  # Measured: a message without its content.
 _YIELD_EVERY = 32  # Messages after which other threads get a turn.
+
+
+class LazyMessage(NamedTuple):
+    """A message of the console's own that is made only if it is written.
+
+    `make` gets True until a message of its topic is in the bag, and Unix minus monotonic time.
+    """
+
+    make: Callable[[bool, float], Any]
+    bytes: int  # That it takes while it waits, approximately.
+
+
+class ReceivedMessage(NamedTuple):
+    """A message as it was received."""
+
+    time: int  # In ns, monotonic: the writer of a bag makes Unix times of them.
+    topic: str  # With its namespace.
+    message_class: Any
+    content: bytes | LazyMessage  # CDR.
+
+    @property
+    def bytes(self) -> int:
+        """The memory that it takes, approximately."""
+        content = self.content
+        return _OBJECT_BYTES + (len(content) if isinstance(content, bytes) else content.bytes)
 
 
 class BagWriter:
@@ -39,13 +63,15 @@ class BagWriter:
         """
         from mcap.writer import CompressionType, Writer  # Takes 0.1 s.
 
+        from archo_tui.robot.node import serialize  # Of rclpy, which verbs do without.
+
         try:
             import zstandard  # noqa: F401
 
             compression = CompressionType.ZSTD
         except ImportError:
             compression = CompressionType.NONE
-        self.folder, self._since = folder, since
+        self.folder, self._since, self._serialize = folder, since, serialize
         self._path = folder / _MCAP_NAME
         self._stream = open(self._path, "xb")  # noqa: SIM115  # closed by close()
         self._path.chmod(0o600)
@@ -74,7 +100,7 @@ class BagWriter:
             name = name_of(kind)
             text = "" if name in self._schemas else definition(kind)
             if not isinstance(content, bytes):
-                content = serialize(content.make(not self._counts[topic], self._since))
+                content = self._serialize(content.make(not self._counts[topic], self._since))
         except Exception as error:  # As for a lone surrogate in a log line; the rest is written.
             self.left_out, self.first_error = (
                 self.left_out + 1,
@@ -104,12 +130,8 @@ class BagWriter:
         self._stream.flush()
         os.fsync(self._stream.fileno())
 
-    def finish(self, about: Mapping[str, str], attached: Mapping[str, str]) -> None:
-        """Write further attachments and the end of the MCAP file, close it, write `metadata.yaml`.
-
-        `about` becomes its custom data.
-        """
-        self.attach(attached)
+    def finish(self, about: Mapping[str, str]) -> None:
+        """Write the end of the MCAP file, close it, and write `metadata.yaml` with custom data."""
         self._writer.finish()  # type: ignore[no-untyped-call]
         self._stream.close()
         counted = [

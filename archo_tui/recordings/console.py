@@ -14,10 +14,8 @@ import types
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
-from datetime import datetime
 from enum import Enum
 from functools import lru_cache, partial
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from builtin_interfaces.msg import Time
@@ -26,8 +24,8 @@ from std_msgs.msg import String
 
 from archo_tui import __version__
 from archo_tui.clock import LAST_STAMP, Monotonic, UnixTime
+from archo_tui.recordings.bag import LazyMessage
 from archo_tui.recordings.recorder import BEGUN, BlackBox
-from archo_tui.recordings.ring import LazyMessage
 from archo_tui.recordings.store import KEPT
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
@@ -39,14 +37,14 @@ from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot_file.load import dump
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import Alarm, AlarmState, Priority
+from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
 
 JOURNAL, STATE = "/archo_tui/journal", "/archo_tui/state"
 _STOP = "STOP"
 _EVENT_BYTES, _STATE_BYTES = 1000, 20_000  # That a waiting event or view takes, approximately.
 _MAX_STATE_AGE = 10.0  # Seconds after which an unchanged state is recorded again.
-_MAX_JOURNAL_BYTES = 1_000_000  # Read from the end of the journal.
 
 
 class ConsoleRecorder:
@@ -168,33 +166,12 @@ def _failed(goal: Goal) -> bool:
     return goal.started is not None and goal.phase != Phase.ARRIVED and not called_off
 
 
-def attachments(robot: RobotFile, journal: Path, begin: float, end: float) -> dict[str, str]:
-    """Return the text of each attachment by its name: robot file, journal lines, versions.
-
-    The lines are those between two Unix times; a journal that cannot be read counts as empty.
-    """
+def attachments(robot: RobotFile) -> dict[str, str]:
+    """Return the text of each attachment by its name: robot file, versions."""
     return {
         "robot.yaml": dump(robot),
-        "journal.jsonl": "".join(_journal_lines(journal, begin, end)),
         "versions.json": json.dumps({"archo-tui": __version__, "python": sys.version.split()[0]}),
     }
-
-
-def _journal_lines(journal: Path, begin: float, end: float) -> list[str]:
-    try:
-        with open(journal, "rb") as file:
-            file.seek(max(journal.stat().st_size - _MAX_JOURNAL_BYTES, 0))
-            text = file.read(_MAX_JOURNAL_BYTES).decode("utf-8", "replace")
-    except OSError:
-        return []
-    return [line for line in text.splitlines(keepends=True) if begin <= _line_time(line) <= end]
-
-
-def _line_time(line: str) -> float:
-    try:
-        return datetime.fromisoformat(json.loads(line)["time"]).timestamp()
-    except (ValueError, KeyError, TypeError):  # The first line read may lack its beginning.
-        return 0.0
 
 
 # Fields that a replay has from the robot file and from the robot's messages.

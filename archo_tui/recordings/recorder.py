@@ -5,18 +5,86 @@ from __future__ import annotations
 import queue
 import shutil
 import threading
+from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.recordings import store
-from archo_tui.recordings.ring import SPAN, LazyMessage, ReceivedMessage, Ring
+from archo_tui.recordings.bag import BagWriter, LazyMessage, ReceivedMessage
 
-if TYPE_CHECKING:
-    from archo_tui.recordings.bag import BagWriter
+SPAN = 60.0  # Seconds.
+RING_BYTES = 16_000_000
+_MAX_LATCHED = 1_000_000  # Bytes of a message that is kept beyond its time.
+# The topics whose messages are events; of all others the last message is the current state.
+_EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
+
+
+Listener = Callable[[ReceivedMessage], None]
+
+
+class Ring:
+    """A buffer of the last minute of messages, at most 16 MB of them. Thread-safe.
+
+    The last message of each topic is kept beyond its time, unless it is larger than 1 MB or tells
+    an event, as those of `/rosout` do: it shows the state of things at the beginning of a
+    recording.
+    """
+
+    def __init__(self, span: float = SPAN, max_bytes: int = RING_BYTES) -> None:
+        self._span, self._max_bytes = round(span * 1e9), max_bytes
+        self._lock = threading.Lock()
+        self._messages: deque[ReceivedMessage] = deque()
+        self._bytes = 0
+        # The last message of each topic that has become too old for the deque.
+        self._latched: dict[str, ReceivedMessage] = {}
+        self._listeners: list[Listener] = []
+
+    def add(self, received: ReceivedMessage) -> None:
+        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
+
+        The listeners get the message though it may be too large to be kept.
+        """
+        with self._lock:
+            self._messages.append(received)
+            self._bytes += received.bytes
+            cutoff = received.time - self._span
+            while self._bytes > self._max_bytes or (
+                self._messages and self._messages[0].time < cutoff
+            ):
+                oldest = self._messages.popleft()
+                self._bytes -= oldest.bytes
+                if oldest.bytes <= _MAX_LATCHED and not oldest.topic.endswith(_EVENT_TOPICS):
+                    self._latched[oldest.topic] = oldest
+            for listener in self._listeners:
+                listener(received)
+
+    def subscribe(self, listener: Listener) -> list[ReceivedMessage]:
+        """Return the messages kept so far, and pass all that follow to `listener`, under the lock.
+
+        The last messages of topics that have been silent for longer come first, with the time of
+        the oldest other message, if there is one.
+        """
+        with self._lock:
+            self._listeners.append(listener)
+            latched = [*self._latched.values()]
+            if self._messages:
+                begin = self._messages[0].time
+                latched = [message._replace(time=begin) for message in latched]
+            return [*latched, *self._messages]
+
+    def unsubscribe(self, listener: Listener) -> None:
+        with self._lock:
+            self._listeners.remove(listener)
+
+    @property
+    def bytes(self) -> int:
+        """The memory that the messages of the last minute take, approximately."""
+        return self._bytes
+
 
 OnWritten = Callable[[str, str], None]  # The recording's name, or "" and why there is none.
 SECONDS_AFTER = 5.0  # Recorded after the last trigger.
@@ -28,7 +96,7 @@ MAX_BYTES = 64_000_000  # Bytes of one recording that wait in memory.
 _FLUSH_PERIOD = 0.9  # A little less than the second between two calls of `tick`.
 _SLOW = "the disk is too slow"
 _MAX_WAITING = 1  # Recordings that may wait while another is being written.
-_RETRY = 10.0  # Seconds between two tries after a failure.
+_RETRY = 10.0  # Seconds between two tries to record everything after a failure.
 
 
 def _since(clock: Clock) -> float:
@@ -48,8 +116,8 @@ class _Recording:
         self.on_written: list[OnWritten] = []
         self.begun = clock.monotonic()
         self.ends = self.begun + seconds
-        self.ended, self._sinces = self.begun, [_since(clock)]
-        self.first = self.begun  # Monotonic time of the first message.
+        # Unix minus monotonic time, by which all its times are: of an event, as it has ended.
+        self.since = _since(clock)
         self.is_full = False  # True once messages are dropped, as MAX_BYTES of them wait.
         self.flushed = 0.0  # Monotonic time of the last order to write.
         self.is_waiting = False  # True while such an order waits for the writing thread.
@@ -60,8 +128,6 @@ class _Recording:
         self._is_collecting = True
         with self._lock:
             self._messages = ring.subscribe(self._on_message)
-        if self._messages:
-            self.first = self._messages[0].time / 1e9
 
     def _on_message(self, message: ReceivedMessage) -> None:
         with self._lock:
@@ -89,18 +155,8 @@ class _Recording:
             is_collecting, self._is_collecting = self._is_collecting, False
         if is_collecting:
             self._ring.unsubscribe(self._on_message)
-            self.ended = self._clock.monotonic()
-            self._sinces.append(_since(self._clock))
-
-    @property
-    def since(self) -> float:
-        """Unix minus monotonic time, by which all its times are."""
-        return self._sinces[-1 if self.to is None else 0]
-
-    @property
-    def journal_times(self) -> tuple[float, float]:
-        """The Unix times of its begin and end, by the clock as it was, however it was set."""
-        return self.first + min(self._sinces), self.ended + max(self._sinces)
+            if self.to is None:
+                self.since = _since(self._clock)
 
 
 class BlackBox:
@@ -115,7 +171,7 @@ class BlackBox:
         folder: Path,
         clock: Clock,
         add_event: Callable[[str, str, str], None],  # Level, source, text; called on any thread.
-        attachments: Callable[[float, float], Mapping[str, str]],  # By name, between Unix times.
+        attachments: Callable[[], Mapping[str, str]],  # By name.
         budget: int = store.BUDGET,
         record_all_to: Path | None = None,
     ) -> None:
@@ -129,7 +185,6 @@ class BlackBox:
         self.failure = ""  # Why the last recording could not be written; "": the disk works.
         self._all_failure = ""  # The same of the recording of everything.
         self._budget_warning = ""
-        self._retried = 0.0  # Monotonic time, in s.
         self._jobs: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread: threading.Thread | None = None
 
@@ -161,18 +216,13 @@ class BlackBox:
             self._event.on_written.append(on_written)
 
     def tick(self) -> None:
-        """Have written what is due, and after a failure try again. Call it about each second.
+        """Have written what is due. Call it about each second.
 
         A recording is dropped if two others still wait for a slow disk.
         """
         now = self._clock.monotonic()
         if self._event is not None and (now >= self._event.ends or self._event.is_full):
             self._finish_event(self._event)
-        is_in_trouble = self._thread is not None and bool(self.failure or self._budget_warning)
-        if is_in_trouble and now - self._retried > _RETRY:
-            self._retried = now
-            if self._jobs.empty():
-                self._jobs.put(self._retry_disk)
         if self._all_to is not None:
             self._tick_all(now, self._all_to)
 
@@ -263,18 +313,14 @@ class BlackBox:
             self._make_room(self._folder / name)
 
     def _write_messages(self, recording: _Recording, messages: list[ReceivedMessage]) -> None:
-        from archo_tui.recordings.bag import BagWriter
-
         to, writer = recording.to, recording.writer
         if writer is None:
             made = store.make_hidden(self._folder) if to is None else store.make_folder(to)
             recording.unfinished = made
             writer = recording.writer = BagWriter(made, recording.since)
             writer.add(messages)
-            if to is not None:
-                # Attached now, so that a bag without an end tells which robot it is of.
-                begin = recording.first + recording.since
-                writer.attach(self._attachments(begin, begin))
+            # Attached now, so that a bag without an end tells which robot it is of.
+            writer.attach(self._attachments())
         elif to is not None:
             store.check_free(to.parent)
             writer.add(messages)
@@ -287,17 +333,15 @@ class BlackBox:
         """Finish the bag, and return its name."""
         writer = recording.writer
         assert writer is not None
-        attached = self._attachments(*recording.journal_times)
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
         if recording.to is None:
             at = recording.begun + recording.since
             number = store.next_number(self._folder)
             about |= {"at": str(int(at * 1e9)), "number": str(number)}
-            writer.finish(about, attached)
+            writer.finish(about)
             name = store.publish(writer.folder, at, recording.why[0]).name
-        else:  # The others are attached already.
-            attached = {name: attached[name] for name in attached if name.startswith("journal")}
-            writer.finish(about, attached)
+        else:
+            writer.finish(about)
             name = writer.folder.name
         if writer.left_out:
             text = f"{writer.left_out} messages are not in the recording: {writer.first_error}"
@@ -321,17 +365,7 @@ class BlackBox:
         for on_written in recording.on_written:
             on_written("", why)
 
-    def _retry_disk(self) -> None:
-        """Clear `failure` and make room if the disk takes data again."""
-        try:
-            store.check_writable(self._folder)
-        except OSError as error:
-            self.failure = self._describe_error(error)
-            return
-        self.failure = ""
-        self._make_room()
-
-    def _make_room(self, written: Path | None = None) -> None:
+    def _make_room(self, written: Path) -> None:
         """Delete the oldest recordings beyond the budget, with an event for each; warn near it."""
         try:
             size, gone = store.make_room(self._folder, self._budget, written)

@@ -30,7 +30,6 @@ _MAX_WORD = 60  # Characters of the reason in a recording's name.
 _MAX_REASON = 1000  # Characters; another tool's bag may hold any text.
 _MAX_COUNT = 2**63  # In ns since the epoch, an int64 of rosbag2: the year 2262.
 _NANOSECONDS, _NUMBER = re.compile(r"[0-9]{1,19}"), re.compile(r"[0-9]{1,9}")
-_TRIAL_BYTES = 100_000  # Written to see if the disk takes data again.
 _STALE_SECONDS = 3600.0  # Age at which a hidden folder is taken for a leftover.
 
 
@@ -53,28 +52,18 @@ class Recording(NamedTuple):
         return self.folder.name
 
 
-def _read_metadata(folder: Path) -> dict[str, Any]:
-    import yaml
-
-    try:
-        found = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
-    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        raise ValueError(f"{folder.name}: {METADATA} does not describe a bag")
-    return found
-
-
 def read_recording(folder: Path) -> Recording:
     """Return what `metadata.yaml` says of a bag, also of another tool's; `bytes` is left out.
 
     Raises OSError if it cannot be read, ValueError if it does not describe a bag.
     """
-    bag = _read_metadata(folder)
-    custom = bag.get("custom_data")
-    ours = custom if isinstance(custom, dict) else {}
-    why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
+    import yaml
+
     try:
+        bag = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
+        custom = bag.get("custom_data")
+        ours = custom if isinstance(custom, dict) else {}
+        why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
         return Recording(
             folder,
             _checked_count(bag["starting_time"]["nanoseconds_since_epoch"]) / 1e9,
@@ -85,7 +74,7 @@ def read_recording(folder: Path) -> Recording:
             int(number) if _NUMBER.fullmatch(number) else 0,
             int(at) / 1e9 if _NANOSECONDS.fullmatch(at) else None,
         )
-    except (KeyError, TypeError, ValueError):
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
         raise ValueError(f"{folder.name}: {METADATA} does not describe a bag") from None
 
 
@@ -93,18 +82,6 @@ def _checked_count(value: Any) -> int:
     if not isinstance(value, int) or not 0 <= value < _MAX_COUNT:
         raise ValueError(value)
     return value
-
-
-def missing_parts(path: Path) -> list[str]:
-    """Return the names of .mcap files that the `metadata.yaml` of a bag names and that are gone."""
-    try:
-        named = _read_metadata(path).get("relative_file_paths")
-    except (OSError, ValueError):  # A single file, or a bag whose writer was killed.
-        return []
-    texts = filter(lambda name: isinstance(name, str), named if isinstance(named, list) else ())
-    names = [os.path.basename(name).removesuffix(".zstd") for name in texts]
-    # Unlike Path.exists, os.path.exists returns False for names that are too long.
-    return [n for n in names if n.endswith(".mcap") and not os.path.exists(path / n)]
 
 
 def list_recordings(folder: Path) -> list[Recording]:
@@ -246,18 +223,6 @@ def _sync(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def check_writable(folder: Path) -> None:
-    """Raise OSError if the folder, made if missing, cannot take a small file, or is almost full."""
-    made = folder / f"{_HIDDEN_PREFIX}try.{os.getpid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    check_free(folder)
-    try:
-        made.write_bytes(bytes(_TRIAL_BYTES))
-        _sync(made)
-    finally:
-        made.unlink(missing_ok=True)
 
 
 def make_room(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 import itertools
 from collections.abc import Callable
 from typing import Any
@@ -12,14 +11,11 @@ from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.clock import Clock
 from archo_tui.robot.stop.gate import Gate
 
 LATE = 20.0  # Seconds in which a late answer to a STOP is still received.
-MOST_UNANSWERED = 1000  # Requests of an operator whose answers are received however late.
 DEADLINE = 2.0  # Seconds for an answer.
 QUESTION_TIMEOUT = 2 * DEADLINE  # Seconds for a question that the ROS thread asks a node.
-_EARLY = 1e-3  # Seconds by which a timer may fire early.
 
 
 def require_all_answers(
@@ -51,18 +47,14 @@ def wake(node: Node) -> None:
 class Services:
     """The service clients of a node, and the calls that wait for answers."""
 
-    def __init__(self, node: Node, clock: Clock) -> None:
-        self._node, self._clock = node, clock
+    def __init__(self, node: Node) -> None:
+        self._node = node
         self._clients: dict[tuple[str, Any], Any] = {}
-        self._pending: list[tuple[float, int, Any, Any]] = []  # A heap, the next deadline first.
-        # Requests of an operator, by turn. A release that is carried out late undoes a later STOP,
-        # so its answer must not be missed.
-        self._unanswered: dict[int, tuple[Any, Any]] = {}
-        self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
-        self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
-        self._timer.cancel()
+        self._awaited: list[Any] = []  # The clients whose calls wait, one for each call.
+        self.steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
         self._turns = itertools.count(1)
-        # Called with the turn of an operator's request when it is answered, however late.
+        # Called with the turn of an operator's request when it is answered, however late: a release
+        # that is carried out late undoes a later STOP.
         self.on_answered: Callable[[int], None] = lambda _: None
 
     def client(self, srv_type: Any, name: str) -> Any:
@@ -102,7 +94,6 @@ class Services:
         turn = self.next_turn()
         future = client.call_async(request)
         if gate is not None:
-            self._keep_until_answered(turn, future, client)
 
             def on_end(is_late: bool) -> None:
                 self.on_answered(turn)
@@ -111,28 +102,14 @@ class Services:
 
             return future.result() if await self._in_time(future, wait, on_end) else None
         self.cancel_at_deadline(future, client)
+        self._awaited.append(client)
         answer = await future
+        self._awaited.remove(client)
         key = (name, srv_type)
         is_kept = self._clients.get(key) is client
-        if once and answer is not None and is_kept and not self._is_awaited(client):
+        if once and answer is not None and is_kept and client not in self._awaited:
             self._node.destroy_client(self._clients.pop(key))
         return answer
-
-    def _is_awaited(self, client: Any) -> bool:
-        """Return True while another call of a client waits for its answer."""
-        return any(
-            of is client and not (future.done() or future.cancelled())
-            for _, _, future, of in self._pending
-        )
-
-    def _keep_until_answered(self, turn: int, future: Any, client: Any) -> None:
-        """Keep a request until it is answered; beyond MOST_UNANSWERED, cancel the oldest one."""
-        self._unanswered[turn] = future, client
-        future.add_done_callback(lambda _: self._unanswered.pop(turn, None))
-        if len(self._unanswered) > MOST_UNANSWERED:
-            oldest, oldest_client = self._unanswered.pop(next(iter(self._unanswered)))
-            oldest_client.remove_pending_request(oldest)
-            oldest.cancel()
 
     def next_turn(self) -> int:
         """Take and return the next number in the order in which requests leave; the first is 1."""
@@ -174,34 +151,18 @@ class Services:
 
     def cancel_at_deadline(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
         """Cancel a future after a time, unless it is done; whoever awaits it gets None."""
-        deadline = self._clock.monotonic() + wait
-        heapq.heappush(self._pending, (deadline, self.next_turn(), future, client))
-        if self._timer.is_canceled() or self._pending[0][0] == deadline:
-            self._wake_after(wait)
+
+        def expire() -> None:
+            if client is not None:
+                client.remove_pending_request(future)
+            future.cancel()
+
+        timer = self._node.create_timer(wait, expire, clock=self.steady)
+        future.add_done_callback(lambda _: self._node.destroy_timer(timer))
 
     async def pause(self, seconds: float) -> None:
         """Wait for a number of real seconds, on the ROS thread without blocking it."""
         passed: Future[bool] = Future(executor=self._node.executor)
-        timer = self._node.create_timer(
-            seconds, lambda: passed.set_result(True), clock=self._steady
-        )
+        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=self.steady)
         await passed
         self._node.destroy_timer(timer)
-
-    def _sweep(self) -> None:
-        now = self._clock.monotonic()
-        while self._pending:
-            deadline, _, future, client = self._pending[0]
-            if not (future.done() or future.cancelled()):
-                if deadline > now + _EARLY:
-                    self._wake_after(deadline - now)
-                    return
-                if client is not None:
-                    client.remove_pending_request(future)
-                future.cancel()
-            heapq.heappop(self._pending)
-        self._timer.cancel()
-
-    def _wake_after(self, seconds: float) -> None:
-        self._timer.timer_period_ns = int(seconds * 1e9)
-        self._timer.reset()

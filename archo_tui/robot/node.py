@@ -8,26 +8,18 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
-from archo_tui.robot.messages.cdr import serialize
+from archo_tui.robot.messages.types import element_of
 
 # Gets the full name of a topic, the message class, and a message as CDR.
 MessageCallback = Callable[[str, Any, bytes], None]
 
 
-class _Subscription:
-    """A subscription with its last message; None before the first."""
-
-    def __init__(self) -> None:
-        self.subscription: Any = None
-        self.last: bytes | None = None
-
-
 class Listener(Node):
     """A node that calls `on_message` with each message, before the callback of its subscription.
 
-    Only subscriptions by `listen` and `listen_quietly` do so.
+    Only subscriptions by `listen_quietly` do so.
     """
 
     def __init__(
@@ -39,90 +31,88 @@ class Listener(Node):
     ) -> None:
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
-        # By full topic and message class.
-        self._heard: dict[tuple[str, Any], _Subscription] = {}
-        # The same; they outlast a subscription that is replaced by one with another QoS.
-        self._taps: dict[tuple[str, Any], list[Callable[[bytes], None]]] = {}
-
-    def listen(
-        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
-    ) -> Any:
-        """Subscribe to a topic; rclpy logs publishers whose QoS is incompatible."""
-        return self._listen(kind, topic, callback, qos)
 
     def listen_quietly(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe as `listen` does, but log nothing about an incompatible QoS.
+        """Subscribe to a topic; nothing is logged about an incompatible QoS.
 
-        Use it where the QoS always fits: rclpy checks the event handlers that log at each wake-up.
+        rclpy checks the event handlers that log at each wake-up.
         """
-        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
-        return self._listen(kind, topic, callback, qos, event_callbacks=quiet)
-
-    def listen_raw(
-        self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile
-    ) -> Any:
-        """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get."""
-        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
-        return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
-
-    def listens(self, kind: Any, topic: str) -> bool:
-        """Return True while the node has a subscription by `listen` or `listen_quietly`."""
-        return (topic, kind) in self._heard
-
-    def tap(self, kind: Any, topic: str, callback: Callable[[bytes], None]) -> bytes | None:
-        """Call a function with each message of a subscription; return the last one, or None.
-
-        The messages are as received, secrets included. The function stays when the subscription is
-        replaced.
-
-        Raises:
-            KeyError: The node does not listen to the topic.
-        """
-        self._taps.setdefault((topic, kind), []).append(callback)
-        return self._heard[topic, kind].last
-
-    def untap(self, callback: Callable[[bytes], None]) -> None:
-        """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""
-        for taps in self._taps.values():
-            if callback in taps:
-                taps.remove(callback)
-
-    def destroy_subscription(self, subscription: Any) -> bool:
-        for key, heard in tuple(self._heard.items()):
-            if heard.subscription is subscription:
-                del self._heard[key]
-        return super().destroy_subscription(subscription)
-
-    def without_secrets(self, message: Any) -> Any:
-        """Return a message as `on_message` would get it: with secret values masked. Any thread."""
-        mask = self._masks.get(type(message))
-        return message if mask is None else mask(message)
-
-    def _listen(
-        self,
-        kind: Any,
-        topic: str,
-        callback: Callable[[Any], None],
-        qos: QoSProfile | int,
-        **options: Any,
-    ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
-
-        heard = _Subscription()
 
         def on_data(data: bytes) -> None:
             message = deserialize_message(data, kind)
             shown = message if mask is None else mask(message)
             self._on_message(name, kind, data if shown is message else serialize(shown))
             callback(message)
-            heard.last = data
-            for tap in tuple(self._taps.get((name, kind), ())):
-                tap(data)
 
-        heard.subscription = self.create_subscription(
-            kind, topic, on_data, qos, raw=True, **options
-        )
-        self._heard[name, kind] = heard  # Only now: rclpy may have raised.
-        return heard.subscription
+        return self.listen_raw(kind, topic, on_data, qos)
+
+    def listen_raw(
+        self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile | int
+    ) -> Any:
+        """Subscribe to a topic for messages as bytes, which `on_message` does not get."""
+        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
+        return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
+
+    def without_secrets(self, message: Any) -> Any:
+        """Return a message as `on_message` would get it: with secret values masked. Any thread."""
+        mask = self._masks.get(type(message))
+        return message if mask is None else mask(message)
+
+
+# The serialize_message of Jazzy returns as many bytes as it had estimated, the last of which are
+# whatever lay in that memory. Readers refuse a message with more bytes than its fields have. Sizes
+# and alignment are those of XCDR version 1, as OMG's DDS-XTypes 1.3 defines it in 7.4.
+
+_PRIMITIVE_SIZES = {
+    "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2,
+    "int32": 4, "uint32": 4, "float": 4, "int64": 8, "uint64": 8, "double": 8,
+}  # fmt: skip
+_ENCAPSULATION = 4  # Bytes of the header; offsets are counted from behind it.
+
+
+def serialize(message: Any) -> bytes:
+    """Return a message as CDR, and no more."""
+    return serialize_message(message)[: cdr_size(message)]
+
+
+def cdr_size(message: Any) -> int:
+    """Return the number of bytes of a message as CDR, with the 4 of the encapsulation header."""
+    return _ENCAPSULATION + _message_end(message, 0)
+
+
+def _message_end(message: Any, offset: int) -> int:
+    fields = message.get_fields_and_field_types()
+    for name, kind in fields.items():
+        offset = _field_end(kind, getattr(message, name), offset)
+    return offset if fields else offset + 1  # rosidl gives an empty message a dummy byte.
+
+
+def _field_end(kind: str, value: Any, offset: int) -> int:
+    element = element_of(kind)
+    if element is None:
+        return _value_end(kind, value, offset)
+    if kind.startswith("sequence<"):
+        offset = _align(offset, 4) + 4  # Its length.
+    size = _PRIMITIVE_SIZES.get(element)
+    if size is not None:
+        return _align(offset, size) + size * len(value) if len(value) else offset
+    for item in value:
+        offset = _value_end(element, item, offset)
+    return offset
+
+
+def _value_end(kind: str, value: Any, offset: int) -> int:
+    if kind.partition("<")[0] == "string":
+        return _align(offset, 4) + 4 + len(value.encode()) + 1
+    if kind.partition("<")[0] == "wstring":
+        return _align(offset, 4) + 4 + 2 * len(value.encode("utf-16-le"))  # Four bytes a code unit.
+    if kind in _PRIMITIVE_SIZES:
+        return _align(offset, _PRIMITIVE_SIZES[kind]) + _PRIMITIVE_SIZES[kind]
+    return _message_end(value, offset)
+
+
+def _align(offset: int, size: int) -> int:
+    return offset + -offset % size

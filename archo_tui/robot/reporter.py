@@ -9,9 +9,7 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot.clients.changes import UnexplainedChanges
-from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.clients.requester import YOU, Requester
+from archo_tui.robot.clients import YOU, Requester, UnexplainedChanges, author
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
@@ -43,14 +41,8 @@ class Reporter:
 
     def add(self, event: Event) -> None:
         """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
-        self.add_log_line(event)
+        self._on_event(self.log.add(event))
         self._on_change()
-
-    def add_log_line(self, event: Event) -> Event:
-        """Add an event to the log and pass it to `on_event`; nothing is shown yet."""
-        added = self.log.add(event)
-        self._on_event(added)
-        return added
 
     def note(self, level: str, text: str) -> None:
         """Add an event whose source is the console."""
@@ -82,7 +74,3 @@ class Reporter:
     def report_stop_result(self, text: str, code: Code) -> None:
         """Report an outcome of a STOP that no verb waits for any more, as `report_done` does."""
         self.report_done(text, AuditRecord("stop", {"later": True}, code))
-
-    def report_cancel_of_others(self, text: str, code: Code) -> None:
-        """Report that goals of other clients were cancelled behind a STOP that is not confirmed."""
-        self.report_done(text, AuditRecord("cancel", {"all": True}, code))

@@ -12,9 +12,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.state.snapshot import Snapshot
 
-FLUSH_PERIOD = 0.2  # Seconds between two snapshots while much happens: 5 a second.
-# Seconds between two while only numbers change and nodes log: nobody reads faster.
-STREAM_PERIOD = 0.4
+PERIOD = 0.25  # Seconds between two snapshots while much happens: nobody reads faster.
 
 
 class SnapshotSender:
@@ -26,33 +24,18 @@ class SnapshotSender:
         # True if a message with a reading came since the last snapshot, even one that changed
         # nothing.
         self.is_stale = False
-        # True while a snapshot is due within FLUSH_PERIOD, and within STREAM_PERIOD.
-        self._is_due_soon = self._is_due_later = False
-        self._flusher = node.create_timer(FLUSH_PERIOD, self.send, clock=clock)
-        self._flusher.cancel()
-        self._streamer = node.create_timer(STREAM_PERIOD, self.send, clock=clock)
-        self._streamer.cancel()
+        self._timer = node.create_timer(PERIOD, self.send, clock=clock)
+        self._timer.cancel()
 
     def send_soon(self) -> None:
-        """Have a snapshot sent within FLUSH_PERIOD; more calls before that change nothing."""
-        if not self._is_due_soon:
-            self._is_due_soon = True
-            self._flusher.reset()
-
-    def send_later(self) -> None:
-        """Have a snapshot sent within STREAM_PERIOD, unless one is due already.
-
-        Use it if only readings changed, or nodes logged: `send_soon` sends one earlier.
-        """
-        if not (self._is_due_soon or self._is_due_later):
-            self._is_due_later = True
-            self._streamer.reset()
+        """Have a snapshot sent within PERIOD; more calls before that change nothing."""
+        if self._timer.is_canceled():
+            self._timer.reset()
 
     def send(self) -> None:
         """Build a snapshot and put it into the mailbox now, in place of any that is due."""
-        self._is_due_soon = self._is_due_later = self.is_stale = False
-        self._flusher.cancel()
-        self._streamer.cancel()
+        self.is_stale = False
+        self._timer.cancel()
         self.mailbox.put(self._build())
 
 

@@ -385,14 +385,7 @@ def _is_initial_pose(sighting: Sighting) -> bool:
 
 
 def _topic_rules(sighting: Sighting) -> Iterator[Entry]:
-    """Yield the rules for a topic: its rate, or that a message to it asks no question.
-
-    Whether a text moves the robot, and a rate is the right one, a person decides.
-    """
-    if sighting.rate is not None:
-        rated = TopicRule(sighting.name, rate=float(f"{sighting.rate:.2g}"))
-        reason = f"{sighting.name} came at {sighting.rate:.2g} Hz: shall another rate be an alarm?"
-        yield Entry("topics", rated, reason, is_sure=False)
+    """Yield that a message to a topic asks no question; whether a text moves, a person decides."""
     rule = TopicRule(sighting.name, moves=False)
     listens = f"{sighting.name} is a {sighting.types[0]}, and `pub` asks nothing before it:"
     if _is_initial_pose(sighting):

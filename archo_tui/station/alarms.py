@@ -1,180 +1,31 @@
-"""The alarms, one entry each, and an alarm with its state by ISA-18.2.
+"""An alarm that is not normal, and the board of all of them: conditions and times go into it.
 
-A further alarm is a function in conditions.py, a row of KINDS here, and a row of docs/alarms.md.
+They follow ISA-18.2: one is gone only when its condition is over and the operator has acknowledged
+it; a shelved one is silent for a limited time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.goals.queue import Holding
+from archo_tui.robot.messages.period import LEAST_SILENCE, Pause
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.station import conditions as when
-from archo_tui.station.conditions import Found, Situation
-
-
-class Priority(Enum):
-    """The urgency of an alarm, by which the operator acts; the value is glyph and word."""
-
-    HIGH = "✗ HIGH"
-    MED = "▲ MED"
-    LOW = "● LOW"
-
-    @property
-    def glyph(self) -> str:
-        """The one character that stands for the priority."""
-        return self.value[0]
-
-
-class Holds(Enum):
-    """Until when an alarm holds the queue of goals."""
-
-    UNTIL_OVER = "over"
-    UNTIL_ACKNOWLEDGED = "acknowledged"
-
-
-class Remedy(NamedTuple):
-    """A command that helps against an alarm, and the words around the way to give it."""
-
-    command: str
-    words: str
-
-
-# The names that other modules ask for.
-CONTACT_LOST = "contact lost"
-BATTERY_EMPTY = "battery empty"
-STOPPED = "stopped"
-LOW_BATTERY = "low battery"
-DIAGNOSTIC_ERROR = "diagnostics error"
-DIAGNOSTIC_WARNING = "diagnostics"
-_CHARGE = "charge"  # The robot file's command that charges, whatever its id is.
-
-
-class Kind(NamedTuple):
-    """All that is fixed about an alarm."""
-
-    name: str  # Behind it may stand a node, topic or part.
-    priority: Priority
-    # Yields what it is about, and its text, for each that holds.
-    condition: Callable[[Situation], Found]
-    delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
-    off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
-    graver: str = ""  # The alarm that replaces it: both may have one cause.
-    is_reported: bool = False  # By the robot: without contact it stays as it is.
-    has_own_topic: bool = False  # It is evaluated without contact, too.
-    is_silence: bool = False  # About silence: after a suspension it is our own.
-    has_text: bool = False  # Behind its name stands any text, not a node or topic.
-    holds: Holds | None = None
-    remedy: Remedy | None = None
-
-
-_HIGH, _MED, _LOW = Priority
-_AFTER_GRAPH = 30.0  # A killed node stays on the graph of ROS 2 for about 20 s.
-# Of one priority, the one that is listed first is shown first.
-KINDS = (
-    Kind("moves after stop", _HIGH, when.moves_after_stop),
-    Kind("stop not confirmed", _HIGH, when.stop_unconfirmed),
-    Kind("stop not certain", _HIGH, when.stop_uncertain, 1.0),
-    Kind("several stops", _HIGH, when.several_stop_servers, 2.0),
-    Kind(CONTACT_LOST, _HIGH, when.contact_lost, is_silence=True, holds=Holds.UNTIL_OVER),
-    Kind(
-        *(BATTERY_EMPTY, _HIGH, when.battery_empty, 2.0),
-        is_reported=True,
-        holds=Holds.UNTIL_ACKNOWLEDGED,
-    ),
-    Kind("motor silent", _HIGH, when.motor_silent, is_reported=True, is_silence=True),
-    Kind("no word of the goal", _HIGH, when.goal_silent, is_reported=True, is_silence=True),
-    Kind("node crashed", _HIGH, when.node_crashed),
-    Kind(
-        *(DIAGNOSTIC_ERROR, _HIGH, when.diagnostic_error, 2.0, 2.0),
-        is_reported=True,
-        has_own_topic=True,
-        has_text=True,
-    ),
-    Kind(
-        *(STOPPED, _MED, when.stopped),
-        is_reported=True,
-        remedy=Remedy("release", ", then {} to release"),
-    ),
-    Kind(
-        *(LOW_BATTERY, _MED, when.low_battery, 2.0),
-        graver=BATTERY_EMPTY,
-        is_reported=True,
-        holds=Holds.UNTIL_ACKNOWLEDGED,
-        remedy=Remedy(_CHARGE, ", or {} to charge"),
-    ),
-    Kind("battery health", _MED, when.unhealthy_battery, 2.0, is_reported=True),
-    Kind("gauge", _MED, when.gauge_warning, 2.0, is_reported=True, has_text=True),
-    Kind(
-        *(DIAGNOSTIC_WARNING, _MED, when.diagnostic_warning, 2.0, 2.0),
-        graver=DIAGNOSTIC_ERROR,
-        is_reported=True,
-        has_own_topic=True,
-        has_text=True,
-    ),
-    Kind("topic silent", _MED, when.topic_silent, 10.0, is_reported=True, is_silence=True),
-    Kind("topic slow", _LOW, when.topic_slow, 5.0, 5.0, is_reported=True),
-    Kind("topic fast", _LOW, when.topic_fast, 5.0, 5.0, is_reported=True),
-    Kind(
-        *("frame silent", _MED, when.frame_silent, 5.0),
-        is_reported=True,
-        is_silence=True,
-        has_text=True,
-    ),
-    Kind("several publishers", _MED, when.several_publishers, _AFTER_GRAPH),
-    Kind("name twice", _MED, when.duplicate_name, _AFTER_GRAPH),
-    Kind("no nodes", _MED, when.no_nodes, 5.0),
-    Kind("no clock", _MED, when.no_clock, 5.0),
-    Kind("clocks differ", _LOW, when.clocks_differ, 5.0),
-    Kind(
-        *("earlier stop", _LOW, when.earlier_stop),
-        remedy=Remedy("release", ": {} to release"),
-    ),
-    Kind("journal not written", _LOW, when.journal_not_written),
-    Kind("recordings", _LOW, when.recording_trouble),
+from archo_tui.station.conditions import (
+    CHARGE,
+    CONTACT_LOST,
+    DIAGNOSTIC_ERROR,
+    DIAGNOSTIC_WARNING,
+    KINDS,
+    Holds,
+    Kind,
+    Priority,
+    graver_name,
+    kind_of,
 )
-_BY_NAME = {kind.name: kind for kind in KINDS}
-
-
-def kind_of(name: str) -> Kind:
-    """Return the kind of an alarm by its full name."""
-    with_text = (kind for kind in KINDS if kind.has_text and name.startswith(f"{kind.name} "))
-    return next(with_text, None) or _BY_NAME[name.partition(" /")[0]]
-
-
-def graver_name(name: str) -> str:
-    """Return the name of the graver alarm that may have the same cause; "" if there is none."""
-    kind = kind_of(name)
-    return kind.graver and kind.graver + name.removeprefix(kind.name)
-
-
-class Conditions(NamedTuple):
-    """The alarms by their full names whose conditions hold, and of which nothing is known now."""
-
-    texts: dict[str, str]
-    unknown: frozenset[str] = frozenset()
-
-
-def conditions(seen: Situation) -> Conditions:
-    """Evaluate the conditions of all alarms.
-
-    While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
-    that are still received.
-    """
-    is_lost = seen.contact_is_lost
-    texts, unknown = dict[str, str](), set[str]()
-    for kind in KINDS:
-        is_left_out = is_lost and kind.is_reported and not kind.has_own_topic
-        for subject, text in () if is_left_out else kind.condition(seen):
-            name = f"{kind.name} {subject}" if subject else kind.name
-            if text is None:
-                unknown.add(name)
-            else:
-                texts[name] = text
-    return Conditions(texts, frozenset(unknown))
 
 
 class AlarmState(Enum):
@@ -281,5 +132,214 @@ def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str
     for command in robot.commands:
         charges = "battery.charging" in command.toggle.values()
         if charges and not snapshot.unavailable(command.service):
-            hints.setdefault(_CHARGE, hints_by_id.get(command.id, ""))
+            hints.setdefault(CHARGE, hints_by_id.get(command.id, ""))
     return {command: hint for command, hint in hints.items() if hint}
+
+
+# The board.
+
+
+class Change(Enum):
+    """An event that may change the state of an alarm."""
+
+    RAISED = "raised"  # Its condition holds.
+    CLEARED = "cleared"  # Its condition is over.
+    ACKNOWLEDGE = "acknowledge"
+    SHELVE = "shelve"
+    UNSHELVE = "unshelve"  # By the operator, or because its time on the shelf is over.
+    REPLACED = "replaced"  # By an alarm of higher priority with the same cause.
+
+
+_NORMAL, _SHELVED, _REPLACED = AlarmState.NORMAL, AlarmState.SHELVED, AlarmState.REPLACED
+_UNACKNOWLEDGED, _ACKNOWLEDGED = AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED
+_RETURNED = AlarmState.RETURNED
+# A pair that is not listed changes nothing. A shelved alarm stays shelved for its time also if its
+# condition is over, and is raised again afterwards if the condition holds then.
+TRANSITIONS: dict[tuple[AlarmState, Change], AlarmState] = {
+    (_NORMAL, Change.RAISED): _UNACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.CLEARED): _RETURNED,
+    (_UNACKNOWLEDGED, Change.ACKNOWLEDGE): _ACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_UNACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_ACKNOWLEDGED, Change.CLEARED): _NORMAL,
+    (_ACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_ACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_RETURNED, Change.RAISED): _UNACKNOWLEDGED,
+    (_RETURNED, Change.ACKNOWLEDGE): _NORMAL,
+    (_RETURNED, Change.SHELVE): _SHELVED,
+    (_SHELVED, Change.UNSHELVE): _NORMAL,
+}
+SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
+
+
+class AlarmBoard:
+    """All alarms that are not normal.
+
+    Each method that changes alarms returns those whose state differs now, as they are now. An alarm
+    that is gone is among them, with the state NORMAL or REPLACED.
+    """
+
+    def __init__(self) -> None:
+        self._alarms: dict[str, Alarm] = {}
+        self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
+        self._last_found: dict[str, tuple[float, str]] = {}  # When, and the text.
+        self._pause = Pause()
+
+    def update(
+        self,
+        found: dict[str, str],
+        monotonic: float,
+        now: float,
+        known_over: Iterable[str] = (),
+        unknown: Collection[str] = (),
+    ) -> list[Alarm]:
+        """Raise, clear, replace and unshelve alarms by the conditions that hold now.
+
+        Those in `unknown` stay as they are; `known_over` may be cleared although contact is lost,
+        which makes all that the robot reports unknown. An alarm that comes off the shelf
+        while its condition holds is returned twice: gone, and raised again.
+        """
+        self._pause = self._pause.checked_at(monotonic)
+        changed = self._unshelve(monotonic, now)
+        recent = self._recent(found, monotonic)
+        # The warning of a part that has just reported an error is none beside it.
+        graver = {name for name in recent if self._is_active(name)}
+        found = {
+            name: text
+            for name, text in {**found, **recent}.items()
+            if graver_name(name) not in graver
+        }
+        pending = [*found, *(name for name in unknown if name in self._pending)]
+        self._pending = {name: self._pending.get(name, monotonic) for name in pending}
+        for name, text in found.items():
+            known = self._alarms.get(name)
+            if known is not None and not known.is_over:
+                self._alarms[name] = known._replace(text=text)
+            elif name not in recent and self._is_due(name, monotonic):
+                raised = known or Alarm(name, text, now, AlarmState.NORMAL)
+                changed += self._change(raised._replace(text=text), Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            graver_one = graver_name(alarm.name)
+            if alarm.is_over and graver_one in found and not self._is_active(graver_one):
+                # The battery is at least low until it has been empty for that alarm's delay.
+                changed += self._change(alarm, Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            graver_one = graver_name(alarm.name)
+            if alarm.name in found or alarm.is_over:
+                continue
+            if graver_one in found:
+                # One cause has one alarm at a time, and no moment without an alarm.
+                if self._is_active(graver_one):
+                    changed += self._change(alarm, Change.REPLACED, now)
+                continue
+            is_reported = kind_of(alarm.name).is_reported and alarm.name not in known_over
+            is_unknown = alarm.name in unknown or (CONTACT_LOST in found and is_reported)
+            if is_unknown:
+                text = alarm.text.removesuffix(LAST_KNOWN) + LAST_KNOWN
+                self._alarms[alarm.name] = alarm._replace(text=text)
+                continue
+            changed += self._change(alarm, Change.CLEARED, now)
+        return changed
+
+    def _unshelve(self, monotonic: float, now: float) -> list[Alarm]:
+        changed: list[Alarm] = []
+        for alarm in list(self._alarms.values()):
+            if alarm.shelf_ends is None:
+                continue
+            until = now + alarm.shelf_ends - monotonic
+            if monotonic >= alarm.shelf_ends:
+                changed += self._change(alarm, Change.UNSHELVE, now)
+            # The clock of the computer was set: people see when the shelf really ends.
+            elif abs(until - (alarm.shelved_until or 0.0)) > 1.0:
+                self._alarms[alarm.name] = alarm._replace(shelved_until=until)
+        return changed
+
+    def _recent(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
+        """Return what was found within its off-delay, and is not found now, nor as a graver one.
+
+        So a part that is bad again and again has its alarm, though never for the whole delay.
+        """
+        self._last_found |= {name: (monotonic, text) for name, text in found.items()}
+        self._last_found = {
+            name: last
+            for name, last in self._last_found.items()
+            if monotonic - last[0] < kind_of(name).off_delay
+        }
+        return {
+            name: text
+            for name, (_, text) in self._last_found.items()
+            if name not in found and graver_name(name) not in found
+        }
+
+    def _is_due(self, name: str, monotonic: float) -> bool:
+        """Return True if a condition has held for its delay.
+
+        A silence just after this process was suspended was its own.
+        """
+        kind = kind_of(name)
+        is_own = kind.is_silence and monotonic - self._pause.resumed < LEAST_SILENCE
+        return not is_own and monotonic - self._pending[name] >= kind.delay
+
+    def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
+        """Acknowledge the alarm of that name; one whose condition is over leaves the board."""
+        known = self._alarms.get(alarm.name)
+        return [] if known is None else self._change(known, Change.ACKNOWLEDGE, now)
+
+    def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
+        """Shelve an alarm for SHELF_TIME, or take a shelved one off.
+
+        One that is taken off is gone, and raised again by the next `update` if it holds.
+        """
+        if alarm.name not in self._alarms:
+            return []
+        known = self._alarms[alarm.name]._replace(reason=reason)
+        if known.state == AlarmState.SHELVED:
+            return self._change(known, Change.UNSHELVE, now)
+        ends, until = monotonic + SHELF_TIME, now + SHELF_TIME
+        shelved = known._replace(shelf_ends=ends, shelved_until=until)
+        return self._change(shelved, Change.SHELVE, now)
+
+    def all(self) -> tuple[Alarm, ...]:
+        """Return all alarms in the order of `Alarm.rank`."""
+        return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
+
+    def _is_active(self, name: str) -> bool:
+        return name in self._alarms and not self._alarms[name].is_over
+
+    def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
+        """Put an alarm on the board as TRANSITIONS say; return it if its state differs."""
+        state = TRANSITIONS.get((alarm.state, change), alarm.state)
+        new = alarm._replace(state=state)
+        if change in (Change.CLEARED, Change.REPLACED):
+            new = new._replace(until=now)
+        elif change == Change.RAISED:
+            since = alarm.since if alarm.state == AlarmState.SHELVED else now
+            new = new._replace(since=since, until=None)
+        if state != AlarmState.SHELVED:
+            new = new._replace(shelf_ends=None, shelved_until=None)
+        if state in (AlarmState.NORMAL, AlarmState.REPLACED):
+            self._alarms.pop(alarm.name, None)
+        else:
+            self._alarms[alarm.name] = new
+        return [new] if state != alarm.state else []
+
+
+class AlarmBell:
+    """The high alarms that have called the operator, once each time raised; the caller rings."""
+
+    def __init__(self) -> None:
+        self._rung: set[tuple[str, float]] = set()  # Name, and Unix time at which it was raised.
+
+    def take_new(self, alarms: Iterable[Alarm]) -> list[Alarm]:
+        """Return the alarms to ring for now, and remember that they have rung."""
+        on_board = {(alarm.name, alarm.since): alarm for alarm in alarms}
+        self._rung &= on_board.keys()
+        new = {
+            key: alarm
+            for key, alarm in on_board.items()
+            if alarm.priority == Priority.HIGH
+            and alarm.state == AlarmState.UNACKNOWLEDGED
+            and key not in self._rung
+        }
+        self._rung |= new.keys()
+        return list(new.values())

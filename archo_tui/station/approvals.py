@@ -11,7 +11,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.robot.clients.requester import YOU, Requester, current_requester, on_behalf_of
+from archo_tui.robot.clients import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges
 from archo_tui.robot.messages.values import text_of

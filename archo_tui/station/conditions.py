@@ -1,15 +1,20 @@
-"""The conditions of alarms: each says in which situation it holds, and with which words.
+"""The alarms, one entry each: what is fixed about it, when it holds, and with which words.
 
-Pure functions over a Situation. Each yields what it is about (a node, a topic, a part; "" for
-the robot) and a text: what is the case, and behind a colon what to do. None in place of the text
-says that nothing is known of it now: an alarm that stands is then the last that was known.
+A condition is a pure function over a Situation. It yields what the alarm is about (a node, a topic,
+a part; "" for the robot) and a text: what is the case, and behind a colon what to do. None in place
+of the text says that nothing is known of it now: an alarm that stands is then the last that was
+known.
+
+A further alarm is a function here, and a row of docs/alarms.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
+from typing import Any, NamedTuple
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.messages.period import LEAST_SILENCE, MessageRate
@@ -62,9 +67,83 @@ class Situation:
         return [status for status in every if status.level is not DiagnosticLevel.OK]
 
 
+class Priority(Enum):
+    """The urgency of an alarm, by which the operator acts; the value is glyph and word."""
+
+    HIGH = "✗ HIGH"
+    MED = "▲ MED"
+    LOW = "● LOW"
+
+    @property
+    def glyph(self) -> str:
+        """The one character that stands for the priority."""
+        return self.value[0]
+
+
+class Holds(Enum):
+    """Until when an alarm holds the queue of goals."""
+
+    UNTIL_OVER = "over"
+    UNTIL_ACKNOWLEDGED = "acknowledged"
+
+
+class Remedy(NamedTuple):
+    """A command that helps against an alarm, and the words around the way to give it."""
+
+    command: str
+    words: str
+
+
+# The names that other modules ask for.
+CONTACT_LOST = "contact lost"
+BATTERY_EMPTY = "battery empty"
+STOPPED = "stopped"
+LOW_BATTERY = "low battery"
+DIAGNOSTIC_ERROR = "diagnostics error"
+DIAGNOSTIC_WARNING = "diagnostics"
+CHARGE = "charge"  # The robot file's command that charges, whatever its id is.
+
+
+Condition = Callable[[Situation], Found]
+
+
+class Kind(NamedTuple):
+    """All that is fixed about an alarm."""
+
+    name: str  # Behind it may stand a node, topic or part.
+    priority: Priority
+    # Yields what it is about, and its text, for each that holds.
+    condition: Condition
+    delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
+    off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
+    graver: str = ""  # The alarm that replaces it: both may have one cause.
+    is_reported: bool = False  # By the robot: without contact it stays as it is.
+    has_own_topic: bool = False  # It is evaluated without contact, too.
+    is_silence: bool = False  # About silence: after a suspension it is our own.
+    has_text: bool = False  # Behind its name stands any text, not a node or topic.
+    holds: Holds | None = None
+    remedy: Remedy | None = None
+
+
+_HIGH, _MED, _LOW = Priority
+_AFTER_GRAPH = 30.0  # A killed node stays on the graph of ROS 2 for about 20 s.
+_kinds: list[Kind] = []
+
+
+def _alarm(name: str, priority: Priority, **fixed: Any) -> Callable[[Condition], Condition]:
+    """Make a condition that of an alarm; of one priority, the first in this file is shown first."""
+
+    def add(condition: Condition) -> Condition:
+        _kinds.append(Kind(name, priority, condition, **fixed))
+        return condition
+
+    return add
+
+
 # STOP.
 
 
+@_alarm("moves after stop", _HIGH)
 def moves_after_stop(seen: Situation) -> Found:
     runs = seen.snapshot.still_running_after_stop
     if runs:
@@ -87,12 +166,14 @@ def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
     return bool(motion.moving) and motion.received - stop.asked >= _ANSWER_TIME
 
 
+@_alarm("stop not confirmed", _HIGH)
 def stop_unconfirmed(seen: Situation) -> Found:
     stop, now = seen.snapshot.open_stop, seen.now
     if stop is not None and (stop.answer != StopAnswer.AWAITED or now - stop.asked >= _ANSWER_TIME):
         yield "", f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
 
 
+@_alarm("stop not certain", _HIGH, delay=1.0)
 def stop_uncertain(seen: Situation) -> Found:
     snapshot = seen.snapshot
     if snapshot.latch is Latch.UNCERTAIN:
@@ -103,6 +184,7 @@ def stop_uncertain(seen: Situation) -> Found:
         yield "", f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
 
 
+@_alarm("several stops", _HIGH, delay=2.0)
 def several_stop_servers(seen: Situation) -> Found:
     served = seen.snapshot.file.stop
     nodes = () if served is None else seen.snapshot.duplicate_servers.get(served.service, ())
@@ -114,17 +196,7 @@ def several_stop_servers(seen: Situation) -> Found:
         )
 
 
-def earlier_stop(seen: Situation) -> Found:
-    motion, at = seen.snapshot.motion, seen.earlier_stop
-    is_known = seen.snapshot.released is not None or seen.snapshot.is_stopped
-    if at is not None and not (is_known or motion.stopped is not None or motion.moving):
-        yield (
-            "",
-            f"STOP OF {time_of_day(at)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
-            "the robot may still be stopped",
-        )
-
-
+@_alarm(STOPPED, _MED, is_reported=True, remedy=Remedy("release", ", then {} to release"))
 def stopped(seen: Situation) -> Found:
     if seen.snapshot.is_at_rest:
         yield "", "STOPPED: look for the cause"
@@ -150,6 +222,7 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
 # What the robot reports.
 
 
+@_alarm(CONTACT_LOST, _HIGH, is_silence=True, holds=Holds.UNTIL_OVER)
 def contact_lost(seen: Situation) -> Found:
     if seen.contact_is_lost:
         battery, motion = seen.snapshot.battery, seen.snapshot.motion
@@ -157,6 +230,7 @@ def contact_lost(seen: Situation) -> Found:
         yield "", f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
 
 
+@_alarm(BATTERY_EMPTY, _HIGH, delay=2.0, is_reported=True, holds=Holds.UNTIL_ACKNOWLEDGED)
 def battery_empty(seen: Situation) -> Found:
     battery, described = seen.snapshot.battery, seen.snapshot.file.battery
     if battery.percentage is None or battery.is_old(seen.now):
@@ -167,6 +241,15 @@ def battery_empty(seen: Situation) -> Found:
         yield "", f"BATTERY EMPTY: {more}"
 
 
+@_alarm(
+    LOW_BATTERY,
+    _MED,
+    delay=2.0,
+    graver=BATTERY_EMPTY,
+    is_reported=True,
+    holds=Holds.UNTIL_ACKNOWLEDGED,
+    remedy=Remedy(CHARGE, ", or {} to charge"),
+)
 def low_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if battery.is_old(seen.now) or (battery.percentage is None and not battery.charging):
@@ -179,6 +262,7 @@ def low_battery(seen: Situation) -> Found:
         yield "", f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
 
 
+@_alarm("battery health", _MED, delay=2.0, is_reported=True)
 def unhealthy_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if not battery.health or battery.is_old(seen.now):
@@ -204,6 +288,7 @@ def battery_health(snapshot: Snapshot) -> str:
     return "" if described is None else described.health.get(snapshot.battery.health or "", "")
 
 
+@_alarm("motor silent", _HIGH, is_reported=True, is_silence=True)
 def motor_silent(seen: Situation) -> Found:
     snapshot, motion = seen.snapshot, seen.snapshot.motion
     is_moving = snapshot.running_goal is not None or motion.moving
@@ -216,6 +301,7 @@ def motor_silent(seen: Situation) -> Found:
         )
 
 
+@_alarm("no word of the goal", _HIGH, is_reported=True, is_silence=True)
 def goal_silent(seen: Situation) -> Found:
     goal = seen.snapshot.running_goal
     if goal is not None and goal.phase == Phase.LOST and not any(motor_silent(seen)):
@@ -226,6 +312,7 @@ def goal_silent(seen: Situation) -> Found:
         )
 
 
+@_alarm("gauge", _MED, delay=2.0, is_reported=True, has_text=True)
 def gauge_warning(seen: Situation) -> Found:
     for reading in seen.snapshot.gauges:
         title, unit = reading.gauge.title, reading.gauge.unit
@@ -236,15 +323,44 @@ def gauge_warning(seen: Situation) -> Found:
             yield title, f"{value}: {reading.warning}"
 
 
+@_alarm("node crashed", _HIGH)
+def node_crashed(seen: Situation) -> Found:
+    for node in seen.hosted:
+        if node.life == Life.CRASHED:
+            yield node.name, f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
+
+
 # Diagnostics: an error and a warning of one part are two alarms, of which the error counts.
 
+_OF_PARTS: dict[str, Any] = dict.fromkeys(("is_reported", "has_own_topic", "has_text"), True)
+_OF_PARTS |= dict.fromkeys(("delay", "off_delay"), 2.0)
 
+
+@_alarm(
+    DIAGNOSTIC_ERROR,
+    _HIGH,
+    delay=2.0,
+    off_delay=2.0,
+    is_reported=True,
+    has_own_topic=True,
+    has_text=True,
+)
 def diagnostic_error(seen: Situation) -> Found:
     for status, text in _bad_parts(seen):
         if status.level is DiagnosticLevel.ERROR:
             yield _part_name(status.part), text
 
 
+@_alarm(
+    DIAGNOSTIC_WARNING,
+    _MED,
+    delay=2.0,
+    off_delay=2.0,
+    graver=DIAGNOSTIC_ERROR,
+    is_reported=True,
+    has_own_topic=True,
+    has_text=True,
+)
 def diagnostic_warning(seen: Situation) -> Found:
     bad, parts, topic = seen.bad_parts, _bad_parts(seen), seen.snapshot.file.diagnostics
     if bad and not parts:  # All are silent.
@@ -284,6 +400,7 @@ def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
 # Topics whose rate the robot file expects.
 
 
+@_alarm("topic silent", _MED, delay=10.0, is_reported=True, is_silence=True)
 def topic_silent(seen: Situation) -> Found:
     for topic, rule, rate in _rated(seen):
         if rate is None:
@@ -293,6 +410,7 @@ def topic_silent(seen: Situation) -> Found:
             yield topic, f"{topic} IS SILENT for {silent}: expected {rule.rate:g} Hz"
 
 
+@_alarm("topic slow", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_slow(seen: Situation) -> Found:
     for topic, rule, hertz, due in _heard(seen):
         if hertz < due * (1 - rule.tolerance):
@@ -300,6 +418,7 @@ def topic_slow(seen: Situation) -> Found:
             yield topic, f"{topic} IS TOO SLOW, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
 
 
+@_alarm("topic fast", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_fast(seen: Situation) -> Found:
     for topic, rule, hertz, due in _heard(seen):
         if hertz > due * (1 + rule.tolerance):
@@ -331,6 +450,7 @@ def _silence(rule: TopicRule) -> float:
 # Frames that the robot file wants alive.
 
 
+@_alarm("frame silent", _MED, delay=5.0, is_reported=True, is_silence=True, has_text=True)
 def frame_silent(seen: Situation) -> Found:
     transforms = seen.snapshot.transforms
     for rule in seen.snapshot.file.frames:
@@ -350,23 +470,20 @@ def frame_silent(seen: Situation) -> Found:
 # The graph, and the console itself.
 
 
-def node_crashed(seen: Situation) -> Found:
-    for node in seen.hosted:
-        if node.life == Life.CRASHED:
-            yield node.name, f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
-
-
+@_alarm("several publishers", _MED, delay=_AFTER_GRAPH)
 def several_publishers(seen: Situation) -> Found:
     for topic, names in seen.snapshot.publishers.items():
         text = f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed"
         yield f"/{topic}", text
 
 
+@_alarm("name twice", _MED, delay=_AFTER_GRAPH)
 def duplicate_name(seen: Situation) -> Found:
     for name in seen.snapshot.duplicate_nodes:
         yield name, f"TWO NODES NAMED {name}: a call reaches both of them"
 
 
+@_alarm("no nodes", _MED, delay=5.0)
 def no_nodes(seen: Situation) -> Found:
     snapshot = seen.snapshot
     if not seen.unseen or seen.hosted or snapshot.nodes or snapshot.other_namespaces:
@@ -377,23 +494,19 @@ def no_nodes(seen: Situation) -> Found:
         yield "", "NO NODE NAMES, though the robot is heard: start this console again"
 
 
+@_alarm("no clock", _MED, delay=5.0)
 def no_clock(seen: Situation) -> Found:
     snapshot = seen.snapshot
-    waiting, still = ", ".join(snapshot.simulated_nodes), snapshot.clock_still_since
+    waiting = ", ".join(snapshot.simulated_nodes)
     if waiting and not snapshot.has_clock:
         yield (
             "",
             f"NO CLOCK for {waiting}: use_sim_time is true and nobody publishes /clock: "
             "start the simulator, or set it to false",
         )
-    elif waiting and still is not None:
-        yield (
-            "",
-            f"CLOCK STANDS STILL for {seen.now - still:.0f} s, which {waiting} goes by: "
-            "resume the simulator",
-        )
 
 
+@_alarm("clocks differ", _LOW, delay=5.0)
 def clocks_differ(seen: Situation) -> Found:
     offsets = sorted(seen.snapshot.clock_offsets.items(), key=lambda item: -abs(item[1]))
     if offsets:
@@ -405,11 +518,69 @@ def clocks_differ(seen: Situation) -> Found:
         yield "", f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
 
 
+@_alarm("earlier stop", _LOW, remedy=Remedy("release", ": {} to release"))
+def earlier_stop(seen: Situation) -> Found:
+    motion, at = seen.snapshot.motion, seen.earlier_stop
+    is_known = seen.snapshot.released is not None or seen.snapshot.is_stopped
+    if at is not None and not (is_known or motion.stopped is not None or motion.moving):
+        yield (
+            "",
+            f"STOP OF {time_of_day(at)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
+            "the robot may still be stopped",
+        )
+
+
+@_alarm("journal not written", _LOW)
 def journal_not_written(seen: Situation) -> Found:
     if seen.journal_failure:
         yield "", f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
 
 
+@_alarm("recordings", _LOW)
 def recording_trouble(seen: Situation) -> Found:
     if seen.recorder_trouble:
         yield "", seen.recorder_trouble
+
+
+# All of them.
+
+KINDS = sorted(_kinds, key=lambda kind: [*Priority].index(kind.priority))
+_BY_NAME = {kind.name: kind for kind in KINDS}
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of an alarm by its full name."""
+    with_text = (kind for kind in KINDS if kind.has_text and name.startswith(f"{kind.name} "))
+    return next(with_text, None) or _BY_NAME[name.partition(" /")[0]]
+
+
+def graver_name(name: str) -> str:
+    """Return the name of the graver alarm that may have the same cause; "" if there is none."""
+    kind = kind_of(name)
+    return kind.graver and kind.graver + name.removeprefix(kind.name)
+
+
+class Conditions(NamedTuple):
+    """The alarms by their full names whose conditions hold, and of which nothing is known now."""
+
+    texts: dict[str, str]
+    unknown: frozenset[str] = frozenset()
+
+
+def conditions(seen: Situation) -> Conditions:
+    """Evaluate the conditions of all alarms.
+
+    While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
+    that are still received.
+    """
+    is_lost = seen.contact_is_lost
+    texts, unknown = dict[str, str](), set[str]()
+    for kind in KINDS:
+        is_left_out = is_lost and kind.is_reported and not kind.has_own_topic
+        for subject, text in () if is_left_out else kind.condition(seen):
+            name = f"{kind.name} {subject}" if subject else kind.name
+            if text is None:
+                unknown.add(name)
+            else:
+                texts[name] = text
+    return Conditions(texts, frozenset(unknown))

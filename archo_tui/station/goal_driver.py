@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.clock import Clock
-from archo_tui.robot.clients.requester import YOU, Requester, current_requester, on_behalf_of
+from archo_tui.robot.clients import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import (
     Deed,
     GoalQueue,

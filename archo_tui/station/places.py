@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
@@ -12,21 +13,13 @@ from archo_tui.parameters.save_load import write_atomically
 from archo_tui.paths import make_folder
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot_file.check import is_place_name
-from archo_tui.robot_file.model import GoalKind, RobotFile
+from archo_tui.robot_file.model import GoalKind, Place, RobotFile
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.dump import block
 
 FILE = "places.yaml"  # In the folder of settings.
 _PLACES, _LISTS = "places", "lists"
 _SHAPE = "expected robots with places and lists, as archo-tui writes them"
-
-
-class Place(NamedTuple):
-    """The values of a goal under a name."""
-
-    name: str
-    goal: str  # The goal's id.
-    values: Mapping[str, Any]  # By dotted path.
 
 
 class Places:
@@ -37,9 +30,7 @@ class Places:
         self._robot, self.path = robot, path
         self._kinds = {kind.id: kind for kind in robot.goals}
         first = robot.goals[0].id if robot.goals else ""
-        self._given = [
-            Place(place.name, place.goal or first, place.values) for place in robot.places
-        ]
+        self._given = [replace(place, goal=place.goal or first) for place in robot.places]
         self._own: dict[str, Place] = {}
         self.lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {}  # Goal ids and values.
         self.fault = ""  # Why the user's file is not read.
@@ -80,7 +71,7 @@ class Places:
         """Add a place of the user's own, or replace one, and write the file; ArchoError."""
         self._check_name(name)
         self.read_again()  # Another console may have written it.
-        place = Place(name, kind.id, dict(values))
+        place = Place(name, dict(values), kind.id)
         self._write({**self._own, name: place}, self.lists)
 
     def save_list(self, name: str, goals: Sequence[QueuedGoal]) -> None:
@@ -160,5 +151,5 @@ class Places:
                 raise ValueError
         except (KeyError, TypeError, AttributeError, ValueError):
             raise ArchoError(f"{self.path}: {_SHAPE}") from None
-        self._own = {name: Place(name, *given) for name, given in own.items()}
+        self._own = {name: Place(name, values, goal) for name, (goal, values) in own.items()}
         self.lists = lists

@@ -18,10 +18,9 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import HOLDS, OPEN_STOP, UNCERTAIN
-from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
-from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
+from archo_tui.station.alarms import Alarm, AlarmBell, AlarmBoard, holding
 from archo_tui.station.approvals import Approvals
-from archo_tui.station.conditions import Situation
+from archo_tui.station.conditions import STOPPED, Situation, conditions
 from archo_tui.station.goal_driver import Frontend, GoalDriver
 from archo_tui.station.history import History
 from archo_tui.station.places import Places

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from archo_tui.robot.state.graph import NodeInfo, NodeState
 from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
-from archo_tui.station.alarms import CONTACT_LOST
+from archo_tui.station.conditions import CONTACT_LOST
 from archo_tui.station.view import View
 from archo_tui.text.state import OLD, PLAIN, STRONG, Spans, age_text
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome, Report
-from archo_tui.station.alarm_board import SHELF_TIME
-from archo_tui.station.alarms import Alarm, AlarmState, Priority
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState
+from archo_tui.station.conditions import Priority
 from archo_tui.station.station import Station
 from archo_tui.text.alarm import no_alarms_text, timeline
 from archo_tui.text.state import no_data_text

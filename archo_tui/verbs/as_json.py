@@ -10,7 +10,7 @@ from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Latch, Snapshot
-from archo_tui.station.alarms import Priority
+from archo_tui.station.conditions import Priority
 from archo_tui.station.station import Station
 from archo_tui.text.goal import remaining_text, running_word
 from archo_tui.text.line_by_line import spans_to_text

@@ -13,7 +13,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
 from archo_tui.paths import typed_path
-from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.clients import current_requester
 from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome, Report

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 
 from archo_tui.clock import time_of_day
 from archo_tui.errors import ArchoError
-from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER
-from archo_tui.recordings.ring import SPAN
+from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER, SPAN
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.readings import FORGET_AFTER, Diagnostic
 from archo_tui.robot.state.snapshot import Snapshot

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Goal

@@ -10,7 +10,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
+from archo_tui.station.conditions import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
 from archo_tui.text.goal import remaining_text
 from archo_tui.text.state import no_data_text

@@ -13,12 +13,13 @@ from textual.notifications import SeverityLevel
 from textual.widgets import Static
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.clients.requester import ASSISTANT
+from archo_tui.robot.clients import ASSISTANT
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.readings import Battery, Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
+from archo_tui.station.alarms import Alarm, AlarmState, any_urgent
+from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
 from archo_tui.text.columns import crop, pad
 from archo_tui.text.goal import remaining_text, running_word

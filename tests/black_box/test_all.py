@@ -22,7 +22,7 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.recorder import BlackBox
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.robot.messages.cdr import serialize
+from archo_tui.robot.node import serialize
 from tests.support import warm
 from tests.support.console import FAST
 from tests.support.plain import operated
@@ -122,7 +122,7 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
     tmp_path: Path,
 ) -> None:
     path, clock = tmp_path / "shift", StandingClock()
-    attached = lambda *_: {"robot.yaml": "name: ARCHO", "journal.jsonl": "x"}  # noqa: E731
+    attached = lambda: {"robot.yaml": "name: ARCHO"}  # noqa: E731
     box = BlackBox(tmp_path, clock, lambda *_: None, attached, record_all_to=path)
     for second in range(5):
         clock.passed = float(second)
@@ -187,6 +187,9 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     assert told[0][1].startswith("less than ")
     assert (list(tmp_path.glob("shift*")), store.list_recordings(tmp_path / "r")) == ([], [])
     clock.passed = 20.0
+    box.trigger("STOP")
+    box.tick()
+    clock.passed = 26.0
     box.tick()
     until(lambda: not box.trouble)
     box.finish()

@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 
 from archo_tui.recordings import store
-from archo_tui.recordings.ring import LazyMessage
+from archo_tui.recordings.bag import LazyMessage
 from archo_tui.recordings.store import Recording
 from tests.black_box.test_ring import nobody
 from tests.robots.test_rover import rover

@@ -14,7 +14,7 @@ from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Int16MultiArray, String
 
-from archo_tui.robot.messages.cdr import cdr_size
+from archo_tui.robot.node import cdr_size
 from tests.support import chosen
 
 

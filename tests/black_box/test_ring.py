@@ -5,7 +5,8 @@ from __future__ import annotations
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
-from archo_tui.recordings.ring import LazyMessage, ReceivedMessage, Ring
+from archo_tui.recordings.bag import LazyMessage, ReceivedMessage
+from archo_tui.recordings.recorder import Ring
 from tests.support.bags import received
 
 

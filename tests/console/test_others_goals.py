@@ -10,7 +10,7 @@ from typing import Any, cast
 import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import EmergencyStop, ResetEncoder
+from archo_interfaces.srv import EmergencyStop
 from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -284,10 +284,6 @@ async def test_what_no_console_did_is_by_another_client() -> None:
         await op.until(client.service_is_ready)
         client.call_async(EmergencyStop.Request())
         await op.until("stopped by another client")
-        reset_client = other.create_client(ResetEncoder, "reset_encoder")
-        await op.until(reset_client.service_is_ready)
-        reset_client.call_async(ResetEncoder.Request())
-        await op.until("encoder reset by another client: 0, was 15420")
         parameters = AsyncParameterClient(other, "motor_controller")
         await op.until(parameters.services_are_ready)
         parameters.set_parameters([Parameter("max_speed", value=0.5)])
@@ -300,11 +296,11 @@ class Older(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("_archo_console_older_lab_1", **options)
         self.create_publisher(String, "_archo_console/acts_0", 10)
-        self.client = self.create_client(ResetEncoder, "reset_encoder")
+        self.client = self.create_client(EmergencyStop, "emergency_stop")
 
-    def reset(self) -> None:
-        self.client.call_async(ResetEncoder.Request())
-        self.get_logger().info("reset encoder: done")
+    def stop(self) -> None:
+        self.client.call_async(EmergencyStop.Request())
+        self.get_logger().info("STOP: confirmed")
 
 
 async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -> None:
@@ -317,10 +313,9 @@ async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -
     async with console(*FAST, node_makers=[*ROBOT, older]) as op:
         await op.until("2 consoles")
         await op.until(made[0].client.service_is_ready)
-        made[0].reset()
-        await op.until("reset encoder: done")
-        assert "·  older_lab_1: reset encoder: done" in op.text
-        await op.until("encoder reset by another console: 0, was 15420")
+        made[0].stop()
+        await op.until("older_lab_1: STOP: confirmed")
+        await op.until("stopped by another console")
 
 
 async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> None:

@@ -13,7 +13,7 @@ import pytest
 from archo_tui import handover
 from archo_tui.app import ArchoApp
 from archo_tui.handover import Handover
-from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.clients import Requester
 from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
 from archo_tui.session import Session
 from archo_tui.session_options import Options

@@ -307,33 +307,6 @@ def test_a_bag_of_several_files_is_one(tmp_path: Path) -> None:
     assert fault.endswith("broken.mcap: not a bag: give a .mcap file, or a folder with some")
 
 
-def test_a_part_that_is_missing_is_named(tmp_path: Path) -> None:
-    folder = recorded(tmp_path / "a", drive(8))
-    metadata = folder / store.METADATA
-    text = metadata.read_text()
-    parts = ["a/recording_1.mcap", "recording_2.mcap.zstd", "x" * 300 + ".mcap", "notes.txt", "7"]
-    named = "".join(f"  - {part}\n" for part in ["recording_0.mcap", *parts])
-    metadata.write_text(text.replace("  - recording_0.mcap\n", named))
-    (folder / "recording_2.mcap").write_bytes((folder / "recording_0.mcap").read_bytes())
-    found = BagFile(folder)
-    assert found.count == 16
-    first, second = found.faults
-    assert first == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
-    assert second.startswith("xxx")
-
-
-@pytest.mark.parametrize("named", ["[", "7", "{a: 1}", "[[1], null, 3]"])
-def test_odd_names_of_parts_are_none(named: str, tmp_path: Path) -> None:
-    folder = recorded(tmp_path / "a", drive(8))
-    metadata = folder / store.METADATA
-    text = metadata.read_text().replace(
-        "relative_file_paths:\n  - recording_0.mcap", f"relative_file_paths: {named}"
-    )
-    assert named in text
-    metadata.write_text(text)
-    assert BagFile(folder).faults == []
-
-
 def test_without_its_metadata_and_by_its_file_a_bag_is_the_same(tmp_path: Path) -> None:
     folder = recorded(tmp_path / "a", drive())
     (folder / store.METADATA).unlink()

@@ -14,12 +14,10 @@ from typing import Any
 import lz4.frame  # type: ignore[import-untyped]
 import pytest
 import zstandard
-from rcl_interfaces.msg import Log
 
 from archo_tui.errors import ArchoError
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.robot.messages.definitions import definition
 from tests.replay.bags import (
     ALWAYS,
     channel,
@@ -282,9 +280,9 @@ def test_of_many_channels_as_many_are_known_as_anybody_needs(tmp_path: Path) -> 
 
     def work() -> None:
         found = BagFile(path)
-        assert len(found.types) <= 5000
+        assert 2000 < len(found.types) < 8000
         assert words(found) == ["good"]
-        assert "a channel is left out: more than 5,000" in " ".join(found.faults)
+        assert "a channel is left out: all of them are larger than 16 MB" in " ".join(found.faults)
         assert len(found.faults) <= 101
 
     assert peak(work) < MOST_MEMORY
@@ -300,10 +298,7 @@ def test_definitions_of_megabytes_are_left_out(tmp_path: Path) -> None:
     def work() -> None:
         found = BagFile(path)
         assert words(found) == ["good"]
-        said = " ".join(found.faults)
-        assert "a definition is left out: larger than 256 kB" in said
-        assert "all of them are larger than 16 MB" in said
-        assert "std_msgs/msg/String has other fields here than in the file" in said
+        assert "all of them are larger than 16 MB" in " ".join(found.faults)
 
     assert peak(work) < MOST_MEMORY
 
@@ -341,50 +336,6 @@ def test_definitions_that_contain_themselves_have_an_end(tmp_path: Path) -> None
     found = BagFile(logs(tmp_path / "a.mcap", *parts, GOOD))
     assert words(found) == ["good"]
     assert len(found.faults) == 2
-
-
-def test_of_many_chunks_as_many_are_known_as_fit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("archo_tui.recordings.replay.mcap_file.MAX_PARTS", 5)
-    for name in "ab":
-        logs(tmp_path / f"{name}.mcap", *[chunk(GOOD)] * 7)
-    found = BagFile(tmp_path)
-    assert len(words(found)) == 10
-    assert len(found.faults) == 2
-    monkeypatch.setattr("archo_tui.recordings.replay.bag.MAX_PARTS", 6)
-    assert len(words(BagFile(tmp_path))) == 6
-
-
-def test_of_many_types_and_topics_as_many_are_known_as_anybody_needs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def file(name: str) -> None:
-        text = definition(Log)
-        numbers = range(2, 22)
-        schemas = [schema(n, "rcl_interfaces/msg/Log", f"{text}# {name}{n}\n") for n in numbers]
-        logs(tmp_path / name, *schemas, *(channel(n, n, f"/{name}_{n}") for n in numbers), GOOD)
-
-    file("a.mcap")
-    file("b.mcap")
-    assert len(BagFile(tmp_path).types) == 41
-    for limit, most in (
-        ("bag._MAX_TYPES", 30),
-        ("bag._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
-        ("bag.MAX_CHANNELS", 30),
-    ):
-        with monkeypatch.context() as patch:
-            patch.setattr(f"archo_tui.recordings.replay.{limit}", most)
-            found = BagFile(tmp_path)
-            assert 20 < len(found.types) < 40
-            assert words(found) == ["good", "good"]
-            assert "/b.mcap_21: left out: " in " ".join(found.faults)
-
-
-def test_a_topic_with_a_name_without_end_is_left_out(tmp_path: Path) -> None:
-    found = BagFile(logs(tmp_path / "a.mcap", channel(2, 1, "/" + "x" * 1000), GOOD))
-    assert set(found.types) == {"/rosout"}
-    assert found.faults == ["a.mcap: a channel is left out: its name is too long"]
 
 
 def test_a_definition_that_comes_again_counts_once(tmp_path: Path) -> None:

@@ -16,8 +16,12 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.recordings.replay.player import find_recording, load_robot_file, opening_time
-from archo_tui.recordings.replay.report import report_lines
+from archo_tui.recordings.replay.player import (
+    find_recording,
+    load_robot_file,
+    opening_time,
+    report_lines,
+)
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain
 from tests.support import chosen, clock
@@ -65,18 +69,6 @@ def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_pa
         f"{lost}  ✗ HIGH: CONTACT LOST for 4 s: the robot may still be moving",
         f"{over}  over: contact lost",
     ]
-
-
-def test_the_text_ends_with_the_part_that_is_missing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path, drain(seconds=2))
-    metadata = tmp_path / store.METADATA
-    part = "  - recording_0.mcap\n"
-    metadata.write_text(metadata.read_text().replace(part, f"{part}  - recording_1.mcap\n"))
-    assert cli.main(["replay", "--text", str(tmp_path)]) == 0
-    said = capsys.readouterr().out.splitlines()[-1]
-    assert said == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
 
 
 async def test_without_a_name_the_newest_is_meant() -> None:

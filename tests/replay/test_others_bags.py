@@ -15,11 +15,11 @@ from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
+from archo_tui.recordings.bag import ReceivedMessage
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.player import Player
-from archo_tui.recordings.ring import ReceivedMessage
 from archo_tui.robot_file import load
 from tests.replay.recorded import replay
 from tests.support.bags import received, write

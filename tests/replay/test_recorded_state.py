@@ -13,7 +13,7 @@ from std_msgs.msg import String
 
 from archo_tui.recordings.console import STATE, TOLD, change_key, to_json
 from archo_tui.recordings.replay.state import ReplayState
-from archo_tui.robot.clients.requester import YOU
+from archo_tui.robot.clients import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.events import Event
@@ -89,7 +89,6 @@ def told(since: float) -> dict[str, Any]:
         "duplicate_nodes": ("/twin",),
         "duplicate_servers": {"move_to_shelf": ("/a", "/b")},
         "has_clock": True,
-        "clock_still_since": since + 4.0,
         "clock_offsets": {"/n": -3.5},
         "other_namespaces": ("/yard",),
         "consoles": ("anna_lab_1",),

@@ -18,7 +18,6 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Empty
 
-from archo_tui.robot.clients.consoles import author, goals_of_others
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.load import default_path
@@ -226,20 +225,6 @@ async def test_goals_of_other_clients_are_cancelled_a_second_after_a_stop_withou
         await pass_time(3.0)
         assert sum("goals of other clients" in text for text in texts(it)) == 1
         made[0].never.set_result(True)
-
-
-async def test_the_goals_of_another_console_are_known_by_its_name() -> None:
-    made: list[Driver] = []
-    async with robot(making(made, Driver), offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).ok
-        await until(lambda: made[0].goal_ids)
-        (ours,) = made[0].goal_ids
-        name = author(it.node.get_name())
-        others = [bytes(16), bytes([1] * 16)]
-        said = f"cancelling 1 goal of console {name}, 2 goals of other clients"
-        assert goals_of_others([ours, *others], [name, "anna_lab_7"]) == said
-        assert goals_of_others(others[:1], []) == "cancelling 1 goal of another client"
-        assert goals_of_others([], [name]) == "no goal of another client was cancelled"
 
 
 async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> None:

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
-from rcl_interfaces.msg import Log
 from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
@@ -159,21 +158,6 @@ async def test_another_robots_nodes_parameters_and_logs_are_not_its_own() -> Non
         assert it.snapshot.other_namespaces == ("/r2",)
 
 
-async def test_of_two_robots_the_threshold_is_its_own() -> None:
-    def with_threshold(value: float) -> Any:
-        class Monitor(Node):
-            def __init__(self, **options: Any) -> None:
-                super().__init__("battery_monitor", **options)
-                self.declare_parameter("low_battery_threshold", value)
-
-        return Monitor
-
-    makers = [in_namespace(with_threshold(77.0), "/a"), in_namespace(with_threshold(33.0), "/b")]
-    async with robot(*makers, nodes=1, namespace="/b") as it:
-        await until(lambda: it.snapshot.parameters)
-        assert it.snapshot.low_charge == 33.0
-
-
 async def test_hidden_nodes_are_not_listed() -> None:
     hidden = lambda **options: Node("_tool", **options)  # noqa: E731
     async with robot(hidden, battery(percentage=50.0), nodes=1) as it:
@@ -293,14 +277,6 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
         await until(lambda: any("I say so" in e.text for e in it.snapshot.events))
         outcome = await ended(go(it, 3))
         assert (outcome.ok, outcome.text) == (False, "the road is wet")
-
-
-async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot.messages.types import load_class
-
-    assert load_class("nonsense") is None
-    assert load_class("a/b/c/d") is None
-    assert load_class("rcl_interfaces/msg/Log") is Log
 
 
 async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one() -> None:

@@ -11,14 +11,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
-from archo_tui.station.alarms import (
-    BATTERY_EMPTY,
-    CONTACT_LOST,
-    LOW_BATTERY,
-    Alarm,
-    AlarmState,
-    holding,
-)
+from archo_tui.station.alarms import Alarm, AlarmState, holding
+from archo_tui.station.conditions import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY
 from tests.robot.explore_queue import Stage, stage
 from tests.support.archo import ARCHO, SHELF
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,7 +10,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Float32, String, UInt8MultiArray
+from std_msgs.msg import String, UInt8MultiArray
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.period import MessageRate
@@ -135,38 +134,6 @@ async def test_a_message_beyond_the_bound_is_counted_and_not_decoded(
         assert counted.size > 5_000
         with pytest.raises(ArchoError, match=r"a message of 0\.0 MB, more than 0\.004 MB"):
             counted.decode(counted.newest[1])
-
-
-async def test_a_topic_that_is_read_already_gets_no_second_subscription(here: Path) -> None:
-    file = here / "base.yaml"
-    file.write_text(
-        "version: 1\nstop: none\n"
-        "gauges: [{title: Level, topic: level, type: std_msgs/msg/Float32, field: data}]\n"
-    )
-    made: list[Reading] = []
-    async with robot(making(made, Reading), robot=file) as it:
-        await until(lambda: it.snapshot.gauges[0].value == 80.0)
-        async with it.inspect("/level", Float32) as counted:
-            await until(lambda: counted.count)  # Though it was sent once, before.
-            assert (counted.kept, counted.kept_size) == (1, 8)
-            assert counted.decode(counted.newest[1]).data == 80.0
-            assert counted.size == 8  # A header and four bytes.
-            assert made[0].count_subscribers("/level") == 1
-            made[0].publisher.publish(Float32(data=70.0))
-            await until(lambda: counted.count == 2)
-        await it.topic_info("/level")  # Answered after the end of the inspection.
-        made[0].publisher.publish(Float32(data=60.0))
-        await until(lambda: it.snapshot.gauges[0].value == 60.0)
-        assert counted.count == 2
-
-
-class Reading(Node):
-    """Publishes a reading once."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("reading", **options)
-        self.publisher = self.create_publisher(Float32, "level", LATCHED)
-        self.publisher.publish(Float32(data=80.0))
 
 
 class Changing(Node):

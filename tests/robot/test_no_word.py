@@ -11,11 +11,10 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.robot.clients.requester import Requester, on_behalf_of
+from archo_tui.robot.clients import Requester, on_behalf_of
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import Phase
-from archo_tui.robot.updates import check_goals
 from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
@@ -92,7 +91,7 @@ async def test_a_goal_is_not_lost_while_the_console_was_suspended() -> None:
         await while_passes(2)  # its period is known by then
         clock.current.suspend(6.0)
         # The first to go on, before the feedback is read.
-        check_goals(typed._plain._station.robot)
+        typed._plain._station.robot.check_goals()
         await while_passes(5)
         typed.type("status\n")
         await typed.until("goal MOVING to 3, 9.0 m left")

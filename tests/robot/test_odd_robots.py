@@ -22,14 +22,14 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
-from archo_tui.robot.clients.changes import CLIENT, CONSOLE, UnexplainedChanges
+from archo_tui.robot.clients import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.goals.machine import Event, TrackedGoal
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.readings import Motion
 from tests.support import clock
-from tests.support.archo import ARCHO, go
+from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
@@ -217,7 +217,7 @@ def set_(node: str, code: Code = Code.DONE, **values: Any) -> AuditRecord:
 
 
 def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
-    others = UnexplainedChanges(ARCHO)
+    others = UnexplainedChanges()
     others.on_audit_record(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
     others.on_audit_record(set_("/motor", ramp=2.0), 10.0)
     others.on_parameter("/motor", "speed", 1.0, 0.5, 15.0)
@@ -228,7 +228,7 @@ def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
 
 
 def test_what_a_console_says_late_is_still_its_doing() -> None:
-    others = UnexplainedChanges(ARCHO)
+    others = UnexplainedChanges()
     moving = Motion(count=1, moving=True, stopped=False, received=10.0)
     others.on_motion(moving, 10.0)
     others.on_motion(replace(moving, stopped=True, received=10.2), 10.2)
@@ -255,37 +255,15 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
 def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
     record: AuditRecord, is_explained: bool
 ) -> None:
-    others = UnexplainedChanges(ARCHO)
+    others = UnexplainedChanges()
     others.on_audit_record(record, 10.0)
     others.on_parameter("/motor", "speed", 1.0, 0.5, 10.5)
     said = [] if is_explained else ["motor speed changed by another client: 0.5, was 1.0"]
     assert others.take_due(15.0) == said
 
 
-@pytest.mark.pure
-@pytest.mark.parametrize(
-    ("record", "said"),
-    [
-        (AuditRecord("reset", {}, Code.DONE), []),
-        (AuditRecord("call", {"service": "/r1/reset", "values": {}}, Code.DONE), []),
-        (
-            AuditRecord("go", {"shelf_number": 3}, Code.ACCEPTED),
-            ["encoder reset by another client"],
-        ),
-    ],
-)
-def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
-    record: AuditRecord, said: list[str]
-) -> None:
-    others = UnexplainedChanges(ARCHO)
-    others.on_motion(Motion(count=5, received=10.0), 10.0)
-    others.on_motion(Motion(count=0, received=10.2), 10.2)
-    others.on_audit_record(record, 10.3)
-    assert others.take_due(15.0) == [f"{line}: 0, was 5" for line in said]
-
-
 def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> None:
-    others = UnexplainedChanges(ARCHO)
+    others = UnexplainedChanges()
     others.author = CONSOLE
     others.on_parameter("/motor", "speed", 1.0, 0.5, 10.0)
     others.author = CLIENT  # it has left since

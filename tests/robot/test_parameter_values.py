@@ -116,9 +116,3 @@ def test_values_read_as_they_are_written() -> None:
     assert [text_of(v) for v in (True, 1, 0.5, "x", [1.0, False])] == [
         "true", "1", "0.5", "x", "[1.0, false]"
     ]  # fmt: skip
-
-
-def test_a_value_below_its_range_is_refused() -> None:
-    speed = Parameter("/n", "speed", "double", 1.0, 1.0, low=0.05, high=2.0)
-    with pytest.raises(ValueError, match=r"allowed 0.05 .. 2, not 0.01"):
-        parse(speed, "0.01")

@@ -94,21 +94,6 @@ async def test_a_value_that_no_parameter_can_have_is_not_sent(
         assert made[0].has("on") is False
 
 
-@pytest.mark.pure
-@pytest.mark.parametrize(
-    ("kind", "value"),
-    [
-        ("integer", 2**63),
-        ("integer[]", [1, -(2**63) - 1]),
-        ("string", "a\0b"),
-        ("string[]", ["a", "\ud800"]),
-    ],
-)
-def test_a_value_that_no_parameter_can_have_fits_none(kind: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=r"value.* (is not within|contains) "):
-        fit(Parameter("/node", "any", kind, None, None), value)
-
-
 def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
     path = here / "p.yaml"
     path.write_text("node:\n  ros__parameters:\n    count: 9223372036854775808\n")

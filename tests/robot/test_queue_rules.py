@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.robot.clients.requester import YOU, Requester
+from archo_tui.robot.clients import YOU, Requester
 from archo_tui.robot.goals.queue import Deed, GoalQueue, OnItsWay, QueuedGoal, QueueEffect
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase

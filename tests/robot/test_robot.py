@@ -22,7 +22,6 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
 
-from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
@@ -392,26 +391,6 @@ async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again
         begin(made[0], restart)
         await until(lambda: it.snapshot.parameter("number").value == 5)  # type: ignore[union-attr]
         made[2].destroy_node()
-
-
-@pytest.mark.waits
-async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(calls, "MOST_UNANSWERED", 1)
-    made: list[Node] = []
-
-    def make(**options: Any) -> Node:
-        made.append(server()(**options))  # nobody spins it
-        made.append(quiet(**options))
-        return made[1]
-
-    async with robot(make, nodes=2, offers="reset_encoder") as it:
-        for _ in range(3):
-            assert not (await ended(reset(it))).ok
-        client = it.services.client(ResetEncoder, "reset_encoder")
-        assert len(client._pending_requests) == 1
-        made[0].destroy_node()
 
 
 class Stoppable(Node):

@@ -132,23 +132,6 @@ async def test_two_servers_of_stop_are_an_alarm_that_names_them() -> None:
         assert "hardware stop" in alarms(it)["several stops"]
 
 
-async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> None:
-    made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "nothing")) as it:
-        await until(lambda: it.snapshot.battery.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        await until(lambda: made[0].asked >= 3)
-        assert "STOP SENT, no answer for" in alarms(it)["stop not confirmed"]
-        made[0].says = "yes"
-        await until(lambda: it.snapshot.open_stop is None)
-        asked = made[0].asked
-        await until(lambda: any("STOP, sent again" in e.text for e in it.snapshot.events))
-        later = clock.seconds() + 3.0
-        await until(lambda: clock.seconds() > later)
-        assert made[0].asked == asked  # it is over
-        made[0].awake.set_result(True)
-
-
 @pytest.mark.parametrize("seconds", [(2.5,), (0.0, 3.5)])
 async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[float]) -> None:
     made: list[Brake] = []
@@ -165,30 +148,6 @@ async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[f
         assert it.snapshot.open_stop is None
         told = "STOP, answered late: confirmed: brake_"
         await until(lambda: any(e.text.startswith(told) for e in it.snapshot.events))
-
-
-@pytest.mark.waits
-async def test_a_stop_that_is_always_refused_late_says_why() -> None:
-    made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "no", 2.5)) as it:
-        await until(lambda: it.snapshot.battery.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        later = clock.seconds() + 12.0
-        await until(lambda: clock.seconds() > later)
-        assert alarms(it)["stop not confirmed"] == "STOP REFUSED (a no): use the hardware stop"
-
-
-async def test_a_late_answer_to_one_stop_is_none_to_the_next() -> None:
-    made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "yes", 4.0), offers="emergency_stop") as it:
-        first = clock.seconds()
-        assert not (await ended(it.emergency_stop())).ok
-        assert (await ended(it.give_up_stop())).ok
-        made[0].says = "nothing"
-        assert not (await ended(it.emergency_stop())).ok
-        await until(lambda: clock.seconds() > first + 5.0)
-        assert it.snapshot.open_stop is not None
-        made[0].awake.set_result(True)
 
 
 async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> None:
@@ -210,13 +169,6 @@ async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> N
         asked, later = made[0].asked, clock.seconds() + 3.0
         await until(lambda: clock.seconds() > later)
         assert made[0].asked == asked
-
-
-async def test_a_stop_that_cannot_be_sent_says_so() -> None:
-    async with robot(lambda **options: Node("none", **options)) as it:
-        assert not (await ended(it.emergency_stop())).ok
-        said = "STOP NOT SENT (/emergency_stop is not offered by any node): use the hardware stop"
-        assert alarms(it)["stop not confirmed"] == said
 
 
 async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it() -> None:
@@ -243,17 +195,6 @@ async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
         await until(lambda: clock.seconds() > later)
         assert made[0].asked <= asked + 1  # one may have been on its way
         made[0].awake.set_result(True)
-
-
-async def test_a_yes_behind_a_stop_that_was_given_up_holds_and_is_said() -> None:
-    made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "yes", 4.0), offers="emergency_stop") as it:
-        assert not (await ended(it.emergency_stop())).ok
-        assert (await ended(it.give_up_stop())).ok
-        assert it.snapshot.latch is Latch.NONE
-        await until(lambda: it.snapshot.latch is Latch.HELD)
-        said = "STOP, answered late: confirmed: a yes"
-        await until(lambda: said in {event.text for event in it.snapshot.events})
 
 
 async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:

@@ -266,20 +266,6 @@ def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None
     assert period.typical == pytest.approx(5.0, abs=0.11)
 
 
-@pytest.mark.pure
-def test_bursts_as_long_as_their_pauses_are_missed_until_they_are_known() -> None:
-    period, silences = lost(bursts(20, 0.4, 9.0))
-    assert silences == [16.6, 33.2, 49.8]
-    assert period.typical == pytest.approx(9.0)
-
-
-@pytest.mark.pure
-def test_regular_bursts_do_not_undo_what_their_pauses_taught() -> None:
-    period, silences = lost(bursts(400, 0.1, 5.0, total=600.0))
-    assert len(silences) == 3
-    assert period.typical == pytest.approx(5.0, abs=0.11)
-
-
 def with_outages(*outages: float, each: float) -> list[float]:
     """Return the times (s) of regular messages with outages near the start, and 25 s after them."""
     times = [0.0, each]

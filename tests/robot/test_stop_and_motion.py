@@ -73,15 +73,6 @@ async def test_goals_end_behind_a_stop_that_only_the_motion_confirms() -> None:
         await until(lambda: drives[0].over.done())
 
 
-async def test_a_robot_that_moves_on_behind_a_late_yes_is_an_alarm() -> None:
-    async with robot(making([], Brake, "brake", "yes", 4.0), making([], Wheels)) as it:
-        await until(lambda: it.snapshot.motion.moving)
-        assert not (await ended(it.emergency_stop())).ok
-        assert (await ended(it.give_up_stop())).ok
-        await until(lambda: it.snapshot.latch is Latch.HELD)
-        await until(lambda: "moves after stop" in alarms(it))
-
-
 async def test_goals_from_before_a_late_yes_end() -> None:
     drives: list[Drive] = []
     makers = making([], Brake, "brake", "yes", 4.0), making(drives, Drive, "drive")
@@ -121,15 +112,6 @@ async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm()
         await until(lambda: word(it) == "✗ STILL MOVING")
         wheels[0].stopped = False  # released
         await until(lambda: "moves after stop" not in alarms(it))
-
-
-async def test_what_moves_behind_a_release_is_no_alarm() -> None:
-    async with robot(making([], Brake, "brake"), making([], Wheels)) as it:
-        await until(lambda: it.snapshot.motion.moving)
-        assert (await ended(it.emergency_stop())).ok
-        assert (await ended(it.release_emergency_stop())).ok
-        await later(2.0)
-        assert "moves after stop" not in alarms(it)
 
 
 async def test_of_two_nodes_that_tell_of_the_motion_none_confirms_a_stop() -> None:

@@ -139,13 +139,3 @@ def test_who_serves_it_is_asked_for_only_when_a_report_changes_something() -> No
         (Stop(), False, False),
     ):
         assert stop.needs_servers(Motion(stopped=stopped)) is needs
-
-
-def test_a_stop_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
-    held = called().answered_by(Result(StopAnswer.AWAITED), 2, 0.0, 4, MOTOR, MOTOR, ("/motor",))
-    assert not held.is_held_by_nobody
-    assert held.served_by(NOBODY, (), 1.0).is_held_by_nobody
-    assert not held.served_by(NOBODY, ("/motor",), 1.0).is_held_by_nobody  # It may return.
-    assert not held.served_by(AGAIN, (), 1.0).is_held_by_nobody  # It runs elsewhere now.
-    elsewhere = held.served_by(AGAIN, (), 1.0).served_by(NOBODY, (), 2.0)
-    assert not elsewhere.is_held_by_nobody

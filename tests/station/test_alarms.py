@@ -16,19 +16,26 @@ from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file.model import FrameRule, TopicRule
-from archo_tui.station import alarms
-from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
+from archo_tui.station import conditions as every
 from archo_tui.station.alarms import (
+    SHELF_TIME,
+    TRANSITIONS,
+    AlarmBell,
+    AlarmBoard,
+    AlarmState,
+    Change,
+    remedy_hints,
+)
+from archo_tui.station.conditions import (
     BATTERY_EMPTY,
     CONTACT_LOST,
     LOW_BATTERY,
     STOPPED,
-    AlarmState,
     Priority,
+    Situation,
     kind_of,
-    remedy_hints,
+    open_stop_texts,
 )
-from archo_tui.station.conditions import Situation, open_stop_texts
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.widgets.bars import banner, header
@@ -616,7 +623,7 @@ def board_at(snapshot: Snapshot, board: AlarmBoard, now: float, *, silent: bool 
     """What stands on the board after a look: names, texts, and whether they are over."""
     battery = snapshot.battery if silent else snapshot.battery._replace(received=now)
     motion = replace(snapshot.motion, received=now)
-    found = alarms.conditions(Situation(snapshot._replace(battery=battery, motion=motion), now))
+    found = every.conditions(Situation(snapshot._replace(battery=battery, motion=motion), now))
     board.update(found.texts, now, now, (), found.unknown)
     return [(alarm.name, alarm.text, alarm.is_over) for alarm in board.all()]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
-from archo_tui.station import alarms
+from archo_tui.station import conditions as alarms
 from archo_tui.station.conditions import Situation
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.recordings import store
-from archo_tui.recordings.bag import BagWriter
-from archo_tui.recordings.ring import LazyMessage, ReceivedMessage
-from archo_tui.robot.messages.cdr import serialize
+from archo_tui.recordings.bag import BagWriter, LazyMessage, ReceivedMessage
+from archo_tui.robot.node import serialize
 
 
 def received(time: int, topic: str, message: Any) -> ReceivedMessage:
@@ -28,7 +27,8 @@ def write(
     """A whole bag in an empty folder; their times are Unix times."""
     writer = BagWriter(folder)
     writer.add(messages)
-    writer.finish(about or {}, attached)
+    writer.attach(attached)
+    writer.finish(about or {})
     return writer
 
 

@@ -24,7 +24,7 @@ from archo_tui.client import sockets
 from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.requests.stop import HELD_BY_NOBODY
+from archo_tui.robot.requests.commands import HELD_BY_NOBODY
 from archo_tui.robot.state.snapshot import Latch, Life
 from archo_tui.session import Session
 from archo_tui.station.undo import Edit

@@ -10,24 +10,20 @@ mcap-ros2-support decodes without a class. It does not serve here: it refuses na
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from functools import lru_cache
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 from archo_tui.errors import ArchoError
-from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
     MAGIC,
-    MAX_CHANNELS,
-    MAX_PARTS,
     Budget,
     BudgetExceeded,
     Index,
@@ -40,8 +36,6 @@ from archo_tui.robot.messages.types import EMPTY, load_class
 from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
 from archo_tui.safe_text import harmless
 
-_MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.
-_MAX_TEXT = 16_000_000  # Bytes of all definitions of a bag.
 _FEEDBACK = "_FeedbackMessage"
 _SEPARATOR = re.compile(r"^=+[ \t]*$", re.MULTILINE)  # Between the messages of a definition.
 _FIELD = re.compile(r"([\w/]+)(?:<=\d+)?(?:(\[)(<=)?(\d*)\])?[ \t]+(\w+)\b(?![ \t]*=)")
@@ -54,43 +48,20 @@ _Field = tuple[str, str, str]  # Element type, array form, name.
 _Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name`.
 
 
-class InstalledTypes:
-    """A cache of installed message classes by type and definition, for all files of one bag."""
+@lru_cache(200)
+def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
+    """Return the class of `package/kind/Name`, or raise Unreadable.
 
-    def __init__(self) -> None:
-        self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
-        self._text_left = _MAX_TEXT
-
-    def find_class(self, type_name: str, encoding: str, text: bytes) -> Any:
-        """Return the class of `package/kind/Name`, or raise Unreadable.
-
-        Definitions in another encoding than `ros2msg` are not compared.
-        """
-        given = b"\0".join((type_name.encode(), encoding.encode(), text))
-        key = hashlib.sha256(given).digest()
-        if key not in self._found:
-            self._text_left -= len(given)
-            if self._text_left < 0 or len(self._found) == _MAX_TYPES:
-                raise Unreadable("too many types")
-            try:
-                self._found[key] = _find_class(type_name, encoding, text.decode(errors="replace"))
-            except Unreadable as error:
-                self._found[key] = str(error)
-        found = self._found[key]
-        if isinstance(found, str):
-            raise Unreadable(found)
-        return found
-
-
-def _find_class(type_name: str, encoding: str, text: str) -> Any:
+    Definitions in another encoding than `ros2msg` are not compared.
+    """
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:
         raise Unreadable(f"{type_name} is not installed here")
     root = f"{parts.package}/{parts.name}"
-    if encoding == "ros2msg" and not _have_same_fields(
-        _parse_layout(definition(made), root), _parse_layout(text, root), root
-    ):
+    theirs = _parse_layout(definition_text.decode(errors="replace"), root)
+    ours = _parse_layout(definition(made), root)  # It has the messages within it, and no others.
+    if encoding == "ros2msg" and any(theirs.get(name) != ours[name] for name in ours):
         raise Unreadable(f"{type_name} has other fields here than in the file")
     return made
 
@@ -102,20 +73,6 @@ def _load_class(parts: InterfaceType) -> Any:
         action = load_class(str(parts).removesuffix(_FEEDBACK))
         made = getattr(getattr(action, "Impl", None), "FeedbackMessage", None)
     return made if hasattr(made, "get_fields_and_field_types") else None
-
-
-def _have_same_fields(ours: _Layout, theirs: _Layout, root: str) -> bool:
-    """Return True if `root` and each message within it agree; theirs may contain themselves."""
-    wanted, seen = [root], set[str]()
-    while wanted:
-        name = wanted.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        if name not in theirs or ours[name] != theirs[name]:
-            return False
-        wanted += [kind for kind, _, _ in ours[name] if "/" in kind]
-    return True
 
 
 def _parse_layout(text: str, root: str) -> _Layout:
@@ -243,7 +200,7 @@ class BagFile:
         """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
         self.path, self.count, self.robot = path, 0, ""
         self.types: dict[str, str] = {}
-        self._faults, self._installed = Faults(), InstalledTypes()
+        self._faults = Faults()
         self._parts: list[_FilePart] = []
         first, last, refused, files = 2**64, 0, list[ArchoError](), _mcap_files(path)
         budget = Budget()
@@ -260,8 +217,6 @@ class BagFile:
             raise refused[0]
         for refusal in refused:
             self._faults.add(str(refusal))
-        for name in store.missing_parts(path):
-            self._faults.add(f"{name} is missing: metadata.yaml names it as a part of this bag")
         self.start, self.end = (first / 1e9, last / 1e9) if self.count else (0.0, 0.0)
         self._parts.sort(key=lambda file_part: file_part.part.start)
 
@@ -345,14 +300,13 @@ class BagFile:
         return ReadMessages(found, is_cut)
 
     def _index_file(self, path: Path, budget: Budget) -> Index:
-        fault = partial(self._add_fault, path)
+        def fault(text: str) -> None:
+            self._faults.add(f"{path.name}: {text}")
+
         with _opened(path) as file:
             index = mcap_file.read_index(file, os.fstat(file.fileno()).st_size, budget, fault)
         topics = self._readable_topics(path, index)
-        free = MAX_PARTS - len(self._parts)
-        if len(index.parts) > free:
-            fault(f"more than {MAX_PARTS:,} chunks in all: the rest is left out")
-        self._parts += [_FilePart(part, path, topics) for part in index.parts[:free]]
+        self._parts += [_FilePart(part, path, topics) for part in index.parts]
         return index
 
     def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
@@ -376,9 +330,7 @@ class BagFile:
                     raise Unreadable(f"encoded as {encoding or 'nothing known'}, not cdr")
                 if schema is None:
                     raise Unreadable("its type is not named")
-                kind = self._installed.find_class(schema.name, schema.encoding, schema.data)
-                if topic not in self.types and len(self.types) == MAX_CHANNELS:
-                    raise Unreadable(f"more than {MAX_CHANNELS:,} topics")
+                kind = _find_class(schema.name, schema.encoding, schema.data)
                 if self.types.setdefault(topic, schema.name) != schema.name:
                     raise Unreadable(f"{schema.name}, where {self.types[topic]} came before")
                 if schema.encoding != "ros2msg":
@@ -388,9 +340,6 @@ class BagFile:
             except Unreadable as error:
                 self._faults.add(f"{topic}: left out: {error}")
         return found
-
-    def _add_fault(self, path: Path, text: str) -> None:
-        self._faults.add(f"{path.name}: {text}")
 
 
 def _mcap_files(path: Path) -> list[Path]:

@@ -18,13 +18,12 @@ if TYPE_CHECKING:
 
 MAGIC = b"\x89MCAP0\r\n"
 MAX_RECORD = 64_000_000  # Bytes of a record in memory, or of an unpacked chunk.
-MAX_CHANNELS = 5000
-MAX_PARTS = 100_000
-_MAX_RECORDS = 3_000_000  # Of one pass, which takes some seconds.
+_MAX_RECORDS = 3_000_000  # Of one pass, which takes some seconds; a part counts as 30.
 _MAX_BYTES = 4_000_000_000  # Read and unpacked in one pass, in some seconds.
-_MAX_NAME = 1000  # Characters of a topic or an encoding.
-_MAX_SCHEMA, _MAX_SCHEMAS = 256_000, 16_000_000  # Bytes of a definition, and of all in a file.
+_MAX_DESCRIBED = 16_000_000  # Bytes of all definitions and channels of a recording,
+_DESCRIPTION = 2000  # each with so many more: it is looked for, and takes memory.
 _MAX_METADATA = 1_000_000  # Bytes of a schema, channel or robot file that are read.
+_PART = 30  # Records as which a part counts.
 _MAX_RUN = 1_000_000  # Bytes of messages outside of chunks in one part.
 _WINDOW = 2**26  # Bytes that zstd may look back; its own writers ask for 8 MB at most.
 _ROBOT = "robot.yaml"
@@ -64,7 +63,7 @@ class Budget:
     """The records and bytes that one pass over a recording may still read."""
 
     def __init__(self) -> None:
-        self._records, self._bytes = _MAX_RECORDS, _MAX_BYTES
+        self._records, self._bytes, self._described = _MAX_RECORDS, _MAX_BYTES, _MAX_DESCRIBED
 
     def spend(self, records: int = 0, size: int = 0) -> None:
         """Take records and bytes off, or raise BudgetExceeded if they are not left."""
@@ -73,6 +72,12 @@ class Budget:
             raise BudgetExceeded(f"more than {_MAX_RECORDS:,} records")
         if self._bytes < 0:
             raise BudgetExceeded(f"more than {_MAX_BYTES // 10**9} GB")
+
+    def describe(self, size: int) -> None:
+        """Take off a definition or channel of so many bytes, or raise Unreadable."""
+        self._described -= size + _DESCRIPTION
+        if self._described < 0:
+            raise Unreadable(f"all of them are larger than {_MAX_DESCRIBED // 10**6} MB")
 
 
 class Part(NamedTuple):
@@ -89,14 +94,13 @@ class Part(NamedTuple):
 class Index:
     """The index of a file, filled record by record; `fault` gets what is damaged or too large."""
 
-    def __init__(self, fault: Callable[[str], None]) -> None:
+    def __init__(self, budget: Budget, fault: Callable[[str], None]) -> None:
         self.profile = self.robot = ""
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
         self.parts: list[Part] = []
         self.start, self.end, self.count = 2**64, 0, 0  # Times in ns, of all messages.
-        self.fault = fault
-        self._schema_bytes = 0
+        self.fault, self._budget = fault, budget
 
     def add(self, opcode: int, content: bytes) -> None:
         """Take in a header, schema, channel or attachment; one whose id is known is ignored."""
@@ -115,20 +119,11 @@ class Index:
         if opcode == _HEADER:
             self.profile = stream.read_prefixed_string()
         elif opcode == _SCHEMA and number not in self.schemas:
-            if len(content) > _MAX_SCHEMA:
-                raise Unreadable(f"larger than {_MAX_SCHEMA // 1000} kB")
-            if self._schema_bytes + len(content) > _MAX_SCHEMAS:
-                raise Unreadable(f"all of them are larger than {_MAX_SCHEMAS // 10**6} MB")
+            self._budget.describe(len(content))
             self.schemas[number] = records.Schema.read(stream)
-            self._schema_bytes += len(content)
         elif opcode == _CHANNEL and number not in self.channels:
-            if len(self.channels) == MAX_CHANNELS:
-                raise Unreadable(f"more than {MAX_CHANNELS:,}")
-            channel = records.Channel.read(stream)
-            if len(channel.topic) > _MAX_NAME or len(channel.message_encoding) > _MAX_NAME:
-                raise Unreadable("its name is too long")
-            channel.metadata.clear()
-            self.channels[number] = channel
+            self._budget.describe(len(content))
+            self.channels[number] = records.Channel.read(stream)
         elif opcode == _ATTACHMENT and not self.robot:
             crc = int.from_bytes(content[-4:], "little")  # 0: the writer left it out.
             if crc and crc != zlib.crc32(content[:-4]):
@@ -136,10 +131,8 @@ class Index:
             self.robot = records.Attachment.read(stream).data.decode()
 
     def add_part(self, part: Part) -> None:
-        if len(self.parts) < MAX_PARTS:
-            self.parts.append(part)
-        else:
-            self.fault(f"more than {MAX_PARTS:,} chunks: the rest is left out")
+        self._budget.spend(records=_PART)
+        self.parts.append(part)
 
     def add_times(self, start: int, end: int, count: int) -> None:
         """Count messages, and widen the time of the file by their first and last log time."""
@@ -153,7 +146,7 @@ def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str],
     The summary at the end of a file is not used: it is missing in one that was cut off, and may
     lie. If the disk fails or the budget ends, what was found until then counts.
     """
-    index = Index(fault)
+    index = Index(budget, fault)
     try:
         _Scan(file, size, index, budget).run()
     except BudgetExceeded as error:

@@ -12,24 +12,27 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
 from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
-from archo_tui.robot.clients.consoles import author
+from archo_tui.robot.clients import author
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
+from archo_tui.robot.graph.interface_checks import forms_of
 from archo_tui.robot.messages.period import MessageRate
-from archo_tui.robot.messages.text import flat_fields
-from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.readings.subscriptions import News
-from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.readings.telemetry import Diagnostics, Telemetry
 from archo_tui.robot.state.events import OWN_LEVELS, Event, EventLog, LineCounter
 from archo_tui.robot.state.goal import Goal
-from archo_tui.robot.state.graph import TOPIC, NodeState, in_namespace, level_word, logger_node
+from archo_tui.robot.state.graph import (
+    TOPIC,
+    NodeState,
+    in_namespace,
+    level_word,
+    logger_node,
+    node_states,
+)
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
-from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarms import Alarm, conditions
-from archo_tui.station.conditions import Situation
+from archo_tui.station.alarms import Alarm, AlarmBoard
+from archo_tui.station.conditions import Situation, conditions
 
 ROSOUT = "/rosout"
 MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
@@ -100,12 +103,9 @@ class _RecordingClock(Clock):
         return self.time
 
 
-_Beat = tuple[float | None, MessageRate | None]  # When a node was last heard, and its period.
-
-
 # What changes as messages are applied: of the state, and of its telemetry.
 _CHANGING = (
-    *("goal", "_state_json", "_feedback", "_log", "_message_rates", "_nodes"),
+    *("goal", "_state_json", "_feedback", "_log", "_message_rates", "_logged"),
     *("_board", "_evaluated_until"),
 )
 _READINGS = ("battery", "motion", "pose", "gauges", "diagnostics", "charge", "periods")
@@ -139,7 +139,7 @@ class ReplayState:
         self._telemetry.resubscribe()
         self._feedback_topics = {full(f"{kind.action}/_action/feedback") for kind in file.goals}
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
-        self._forms = {kind.id: _form_fields(kind) for kind in file.goals}
+        self._forms = forms_of(file)
         actions = {kind.action: "not recorded" for kind in file.goals}
         heard = {name for name in file.shown_topics if full(name) in types}
         offered = frozenset(heard | {*actions, *file.services})
@@ -152,7 +152,7 @@ class ReplayState:
         self._feedback: dict[str, tuple[float, Any]] = {}
         self._log = EventLog()
         self._message_rates: dict[str, MessageRate] = {}  # Of each topic, by its full name.
-        self._nodes: dict[str, _Beat] = {}
+        self._logged: dict[str, float] = {}  # When nodes logged last, by name.
         self._board, self._evaluated_until = AlarmBoard(), 0.0
 
     @property
@@ -227,9 +227,8 @@ class ReplayState:
         # The state may be older than the messages received meanwhile.
         self._message_rates = {**found.message_rates, **self._message_rates}
         for node in found.nodes:
-            if node.heard is not None and node.name not in self._nodes:
-                rate = MessageRate(node.heard, 1 / node.rate) if node.rate else None
-                self._nodes[node.name] = node.heard, rate
+            if node.heard is not None:
+                self._logged.setdefault(node.name, node.heard)
 
     def _with_file_kind(self, goal: Goal) -> Goal:
         return goal._replace(kind=self.goal_kind(goal.kind))
@@ -271,20 +270,14 @@ class ReplayState:
         below = f"{self.console.snapshot.namespace.rstrip('/')}/"
         if author(node) or not node.startswith(below) or is_hidden(node):
             return  # The journal has what consoles log; other robots do not matter here.
-        _, rate = self._nodes.get(node, (None, None))
-        self._nodes[node] = self._clock.time, rate
+        self._logged[node] = self._clock.time
         level = level_word(message.level)
         self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
-    def _on_reading(self, topic: str, _news: News) -> None:
+    def _on_reading(self, topic: str, _has_changed: bool) -> None:
         full, now = self._topics.resolve_topic_name(topic), self._clock.time
         rate = self._message_rates.get(full)
         self._message_rates[full] = MessageRate(now) if rate is None else rate.with_message_at(now)
-        for resource in self.console.snapshot.resources:
-            if (resource.kind, resource.name) == (TOPIC, full) and resource.nodes:
-                _, rate = self._nodes.get(resource.nodes[0], (None, None))
-                beat = MessageRate(now) if rate is None else rate.with_message_at(now)
-                self._nodes[resource.nodes[0]] = now, beat
 
     @property
     def curve_snapshot(self) -> Snapshot:
@@ -303,15 +296,21 @@ class ReplayState:
             forms=self._forms,
             goal=self.goal,
             history=tuple(map(self._with_file_kind, state.history)),
-            nodes=tuple(map(self._node, state.nodes)),
+            nodes=self._nodes(state),
             events=self._log.all(),
             faults={**telemetry.faults, **state.faults},
             message_rates=dict(self._message_rates),
         )
 
-    def _node(self, node: NodeState) -> NodeState:
-        heard, rate = self._nodes.get(node.name, (None, None))
-        return node._replace(heard=heard, rate=None if rate is None else rate.hertz)
+    def _nodes(self, state: Snapshot) -> tuple[NodeState, ...]:
+        topics = (each for each in state.resources if each.kind == TOPIC and each.nodes)
+        rates = self._message_rates
+        by_node = ((t.nodes[0], rates[t.name]) for t in topics if t.name in rates)
+        found = node_states([node.name for node in state.nodes], self._logged, by_node)
+        return tuple(
+            found[n.name]._replace(lifecycle=n.lifecycle, rate=found[n.name].rate or n.rate)
+            for n in state.nodes
+        )
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
         """Return the alarms at a Unix time, those that are not over with their text of then.
@@ -326,8 +325,3 @@ class ReplayState:
             alarm if alarm.is_over else alarm._replace(text=found.get(alarm.name, alarm.text))
             for alarm in alarms
         )
-
-
-def _form_fields(kind: GoalKind) -> tuple[TypedField, ...]:
-    found = load_class(kind.type)
-    return () if found is None else tuple(flat_fields(found.Goal()))

@@ -6,20 +6,21 @@ No rule is here: each event goes to the machine, and what it returns is carried 
 from __future__ import annotations
 
 import itertools
+import os
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
 from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import calls
 from archo_tui.robot.calls import DEADLINE, Services
-from archo_tui.robot.clients.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
-from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
+from archo_tui.robot.goals.action import GoalAction
 from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
 from archo_tui.robot.messages.period import Pause
 from archo_tui.robot.messages.values import goal_request
@@ -35,6 +36,7 @@ HISTORY = 20  # Ended goals that are kept.
 _ENDED_IDS = 100  # Ids that are kept: more than goals end between two status messages.
 # Seconds: a server that sleeps while it executes, as the textbook's does, takes none for so long.
 CANCEL_WAIT = 4.0
+FIND_PERIOD = 0.05  # Seconds between two looks for a server, or for an answer.
 _REASON_WAIT = 0.3  # Seconds to wait for the log line with the reason, after a refusal.
 
 _ENDS = {
@@ -68,7 +70,7 @@ class Goals:
     """The goals that run, and the last ones that ended.
 
     Attributes:
-        actions: The actions whose goals are tracked.
+        exempt: The full names of the actions whose goals no STOP cancels.
         sending_has_ended: True to refuse every further goal: the console ends.
         history: The last goals that ended, the newest first.
     """
@@ -81,16 +83,14 @@ class Goals:
         on_change: Callable[[bool], None],  # With True for a new goal or phase.
         note: Callable[[str, str], None],  # Level and text of what no verb reports any more.
         on_end: Callable[[Goal, str], None],  # Unless its verb reports the end.
-        consoles: Callable[[], Collection[str]],  # The names of the other ones.
         exempt: Collection[str],  # The actions whose goals no STOP cancels.
         watching: bool = False,
     ) -> None:
         self._node, self._clock, self._services = node, clock, pending
         self._on_change, self._note, self._on_end = on_change, note, on_end
-        self._consoles, self._console = consoles, author(node.get_name())
-        self.actions = GoalActions(
-            *(node, clock, pending, exempt, watching, self._on_feedback, self._on_status)
-        )
+        self._watching = watching
+        self.exempt = {str(node.resolve_service_name(name)) for name in exempt}
+        self._actions: dict[tuple[str, str], GoalAction] = {}  # By name and type.
         self._numbers = itertools.count(1)
         self._coming: list[_Record] = []  # Of this console, about to be sent.
         self._running: dict[bytes, _Record] = {}  # In the order in which tracking began.
@@ -124,6 +124,23 @@ class Goals:
     @property
     def _shown(self) -> _Record | None:
         return self._ours or next(reversed(self._running.values()), None)
+
+    def track(self, kind: GoalKind) -> GoalAction:
+        """Track the goals of an action from the first call on; return the action."""
+        key = (kind.action, kind.type)
+        if key not in self._actions:
+            made = GoalAction(
+                *(self._node, kind, self._on_feedback, self._on_status, self._watching),
+                since=self._clock.now(),
+                is_exempt=str(self._node.resolve_service_name(kind.action)) in self.exempt,
+            )
+            self._actions[key] = made
+        return self._actions[key]
+
+    def close(self) -> None:
+        """Destroy the clients: with one left, rclpy keeps the node on the graph."""
+        for action in self._actions.values():
+            action.close()
 
     # States.
 
@@ -202,11 +219,11 @@ class Goals:
         cancel reaches before it is accepted is cancelled as soon as it is. Raises Void if a STOP
         was read after the goal was typed; then nothing was sent.
         """
-        is_known, action = self.actions.is_tracked(kind), self.actions.track(kind)
+        is_known, action = (kind.action, kind.type) in self._actions, self.track(kind)
         if action.type is None:
             return Outcome(Code.REFUSED, check.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
-        record = _Record(TrackedGoal(goal), new_goal_id(self._console), action, gate)
+        record = _Record(TrackedGoal(goal), os.urandom(16), action, gate)
         self._coming.append(record)  # From here on a cancel finds it.
         try:
             if not is_known:
@@ -368,8 +385,11 @@ class Goals:
     async def cancel_all(
         self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool = False
     ) -> Outcome:
-        """Cancel every goal as `GoalActions.cancel_every`, and return what came of it."""
-        cancelled = await self.actions.cancel_every(others, until, for_stop=for_stop)
+        """Cancel every goal of these and of other actions, and return what came of it.
+
+        Servers of the first are waited for until a time.
+        """
+        cancelled = await self._cancel_every(others, until, for_stop=for_stop)
         if cancelled is None:
             return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
         ids, silent = cancelled
@@ -379,15 +399,50 @@ class Goals:
             return Outcome(Code.REFUSED, "none was cancelled")
         return Outcome(Code.ACCEPTED, f"cancelling {len(ids)} goal{'s' * (len(ids) > 1)}")
 
+    async def _cancel_every(
+        self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool
+    ) -> tuple[set[bytes], str] | None:
+        """Cancel all goals; return their ids, and who is silent, or None if there is no action.
+
+        All requests leave at once: an action that does not answer delays no other.
+        """
+        exempt = self.exempt if for_stop else set()
+        asked: dict[str, Any] = {}
+        while True:
+            known = [a for a in self._actions.values() if a.type and a.name not in exempt]
+            served = [action.name for action in known if action.is_served]
+            for name in {*others, *served} - exempt - asked.keys():
+                asked[name] = self._task(self._cancel_goals_of, name)
+            if len(served) == len(known) or self._clock.monotonic() >= until:
+                break
+            await self._services.pause(FIND_PERIOD)
+        answers = {name: await task for name, task in asked.items()}
+        ids = set[bytes]().union(*(cancelled for cancelled, _ in answers.values()))
+        silent = ", ".join(name for name, (_, is_answered) in answers.items() if not is_answered)
+        text = f"no answer to the cancel in {DEADLINE:g} s: {silent}" if silent else ""
+        return (ids, text) if asked else None
+
+    async def _cancel_goals_of(self, action: str) -> tuple[set[bytes], bool]:
+        """Cancel all goals of an action; return their ids, and True if all servers answered."""
+        name = f"{action}/_action/cancel_goal"
+        servers = max(self._node.count_services(name), 1)
+        request = CancelGoal.Request()  # In action_msgs, no id and no time mean all goals.
+        answers = await self._services.call_all(CancelGoal, name, request, servers, DEADLINE)
+        ids = {bytes(g.goal_id.uuid) for answer in answers for g in answer.goals_canceling}
+        return ids, len(answers) >= servers
+
     async def cancel_others(self) -> Outcome:
         """Cancel every goal of the tracked actions for a STOP; the text counts those of others."""
         ours, now = set[bytes](), self._clock.monotonic()
         for record in self._running.values():
             ours |= {record.id} if record.state.goal.mine else set()
             record.state = record.state.cancelled_with_all(now)
-        ids, silent = await self.actions.cancel_every(for_stop=True) or (set(), "")
+        ids, silent = await self._cancel_every(for_stop=True) or (set(), "")
         others = ids - ours
-        text = "; ".join(filter(None, (goals_of_others(others, self._consoles()), silent)))
+        count = "1 goal of another client" if len(others) == 1 else ""
+        count = count or f"{len(others)} goals of other clients"
+        found = f"cancelling {count}" if others else "no goal of another client was cancelled"
+        text = "; ".join(filter(None, (found, silent)))
         if not others:
             return Outcome(Code.TIMEOUT if silent else Code.REFUSED, text)
         return Outcome(Code.ACCEPTED, text)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
-from archo_tui.robot.clients.requester import YOU, Requester
+from archo_tui.robot.clients import YOU, Requester
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase, values_text
 from archo_tui.robot.state.snapshot import Snapshot

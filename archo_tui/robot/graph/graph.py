@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
 from rclpy.node import Node
 
-from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.graph.resources import SEND, Resources, Types
+from archo_tui.robot.clients import author
+from archo_tui.robot.graph.resources import SEND, Resources
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.audit_records import TOPIC
-from archo_tui.robot.state.graph import NodeState, Resource, in_namespace
+from archo_tui.robot.state.graph import NodeState, in_namespace, node_states
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import package_of
 
@@ -64,12 +64,11 @@ class Graph:
         # The seconds to wait after a poll, so that polls take no more time than SHARE.
         self.rest = 0.0
         self._last: object = None  # What the last poll found, as far as a snapshot shows it.
-        self._resources = Resources(node, self.is_ours)
+        self.listed = Resources(node, self.is_ours)  # What the robot offers.
         # The robot's services and actions with their types, also those that have only clients.
         self._named_services: dict[str, tuple[str, ...]] = {}
         self._named_actions: dict[str, tuple[str, ...]] = {}
-        self._last_received: dict[str, float] = {}  # By node, in monotonic seconds.
-        self._node_rates: dict[str, MessageRate] = {}
+        self._logged: dict[str, float] = {}  # By node, in monotonic seconds.
         self._topic_rates: dict[str, MessageRate] = {}
         self._publisher: dict[str, str] = {}  # The first publisher of each topic of the file.
 
@@ -79,10 +78,10 @@ class Graph:
         The QoS and the nodes of topics, services and actions are read a part at a time: on a large
         graph they are complete only after several polls.
         """
-        begun = time.thread_time()
-        changed = self._poll()
+        begun, before = time.thread_time(), self._last
+        self._poll()
         self.rest = (time.thread_time() - begun) / SHARE
-        return changed
+        return self._last != before
 
     def recheck_service(self, service: str) -> None:
         """Add a service to `offered`, and read the types of all services, if a server is there now.
@@ -108,7 +107,7 @@ class Graph:
         here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
         self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
 
-    def _poll(self) -> bool:
+    def _poll(self) -> None:
         pairs = self._node.get_node_names_and_namespaces()
         found = Counter(_full(*pair) for pair in pairs)
         names = sorted(name for name in found if self.is_ours(name))
@@ -138,7 +137,7 @@ class Graph:
                 offered.add(action)
             self._read_action(action)
         end = time.thread_time() + _SLICE
-        self._resources.poll(
+        self.listed.poll(
             frozenset(pairs),
             self._named_services,
             self._named_actions,
@@ -146,28 +145,13 @@ class Graph:
         )
         servers = {name: self.duplicate_servers(name) for name in self._alone}
         self.duplicates = {name: nodes for name, nodes in servers.items() if nodes}
-        for name in set(self._node_rates) - set(names):  # Its rate is measured again if it returns.
-            del self._node_rates[name]
-        there = (
-            names,
-            offered,
-            self.actions,
-            self.served_services,
-            self.consoles,
-            self.resources,
-            self.has_clock,
-        )
-        found_now = (
-            there,
-            self.publishers,
-            self.duplicate_nodes,
-            self.other_namespaces,
+        self.names, self.offered = names, frozenset(offered)
+        listed = self.listed
+        self._last = (
+            *(names, offered, listed.actions, listed.services, listed.all, self.consoles),
+            *(self.has_clock, self.publishers, self.duplicate_nodes, self.other_namespaces),
             self.duplicates,
         )
-        changed = found_now != self._last
-        self._last = found_now
-        self.names, self.offered = names, frozenset(offered)
-        return changed
 
     def _record_publishers(self) -> set[str]:
         infos = self._node.get_publishers_info_by_topic(TOPIC)
@@ -226,13 +210,10 @@ class Graph:
         The ids are those of the node's publishers of /parameter_events. Every node of rclcpp and
         rclpy has one; another node has no ids, and its restart is not noticed.
         """
-        ids = _ids_by_node(self._node.get_publishers_info_by_topic("/parameter_events"))
-        return {node: ids.get(node, frozenset()) for node, _ in self._servers(service)}
-
-    def publisher_ids(self, topic: str) -> frozenset[bytes]:
-        """Return the ids of a topic's present publishers, which change at a node's restart."""
-        by_node = _ids_by_node(self._node.get_publishers_info_by_topic(topic))
-        return frozenset().union(*by_node.values())
+        ids = defaultdict[str, set[bytes]](set)
+        for info in self._node.get_publishers_info_by_topic("/parameter_events"):
+            ids[_full(*_of(info))].add(bytes(info.endpoint_gid))
+        return {node: frozenset(ids[node]) for node, _ in self._servers(service)}
 
     def served_types(self, name: str) -> list[str]:
         """Return the types with which nodes serve a service now, sorted; every node is asked."""
@@ -249,59 +230,29 @@ class Graph:
         return found
 
     def on_topic_message(self, topic: str, now: float) -> None:
-        """Count a message for the rates of a topic of the robot file and of its first publisher."""
-        _count_message(self._topic_rates, topic, now)
-        name = self._publisher.get(topic)
-        if name is not None:
-            _count_message(self._node_rates, name, now)
-            self._last_received[name] = now
+        """Count a message for the rate of a topic of the robot file."""
+        rate = self._topic_rates.get(topic)
+        self._topic_rates[topic] = MessageRate(now) if rate is None else rate.with_message_at(now)
 
     def on_log_line(self, name: str, now: float) -> None:
         """Record that a node was heard by a log line; a name that is not in `names` is ignored."""
         if name in self.names:
-            self._last_received[name] = now
+            self._logged[name] = now
 
     def node_states(self) -> tuple[NodeState, ...]:
         """Return for every node when it was last heard, and its rate, sorted by name.
 
-        Only nodes that publish a topic of the robot file have a rate.
+        A topic of the robot file tells of its first publisher.
         """
-        return tuple(
-            NodeState(
-                name,
-                self._last_received.get(name),
-                self._node_rates[name].hertz if name in self._node_rates else None,
-            )
-            for name in self.names
-        )
-
-    @property
-    def actions(self) -> Types:
-        """The types of every action of the robot that is served, by its full name."""
-        return self._resources.actions
-
-    @property
-    def served_services(self) -> Types:
-        """The types of every service of the robot that is served, by its full name.
-
-        Services that every node has are left out.
-        """
-        return self._resources.services
-
-    @property
-    def resources(self) -> tuple[Resource, ...]:
-        """The robot's topics, services and actions; the same object until something changes."""
-        return self._resources.all
+        rates = self._topic_rates.items()
+        by_node = ((self._publisher.get(topic, ""), rate) for topic, rate in rates)
+        return tuple(node_states(self.names, self._logged, by_node).values())
 
     def message_rates(self) -> dict[str, MessageRate]:
         """Return the rate of each topic of the robot file that was received, by its full name."""
         return {
             in_namespace(self.namespace, topic): rate for topic, rate in self._topic_rates.items()
         }
-
-
-def _count_message(rates: dict[str, MessageRate], name: str, now: float) -> None:
-    rates[name] = rates[name].with_message_at(now) if name in rates else MessageRate(now)
 
 
 def is_of_every_node(types: Sequence[str]) -> bool:
@@ -316,14 +267,6 @@ def is_hidden(name: str) -> bool:
 
 def _action_types(infos: Any) -> tuple[str, ...]:
     return tuple(sorted({info.topic_type.removesuffix("_FeedbackMessage") for info in infos}))
-
-
-def _ids_by_node(infos: Any) -> dict[str, frozenset[bytes]]:
-    found: dict[str, frozenset[bytes]] = {}
-    for info in infos:
-        name = _full(*_of(info))
-        found[name] = found.get(name, frozenset()) | {bytes(info.endpoint_gid)}
-    return found
 
 
 def _of(info: Any) -> tuple[str, str]:

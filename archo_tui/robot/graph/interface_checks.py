@@ -24,9 +24,7 @@ class InterfaceChecks:
 
     def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
         self._node, self._robot, self._graph = node, robot, graph
-        made = {kind.id: _form(kind) for kind in robot.goals}
-        # The fields of each goal's form, by the goal's id, where its type is installed here.
-        self.forms = {name: form for name, form in made.items() if form is not None}
+        self.forms = forms_of(robot)
         # Why the goals of an action cannot be made as the robot file says, by the action.
         self.unfit: dict[str, str] = {}
         for kind in robot.goals:
@@ -163,6 +161,12 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
     except ValueError as error:
         return f"{kind.where}: fixed: {error}"
     return ""
+
+
+def forms_of(robot: model.RobotFile) -> dict[str, tuple[TypedField, ...]]:
+    """Return the fields of each goal's form, by the goal's id, where its type is installed here."""
+    made = {kind.id: _form(kind) for kind in robot.goals}
+    return {name: form for name, form in made.items() if form is not None}
 
 
 def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:

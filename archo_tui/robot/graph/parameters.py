@@ -6,7 +6,6 @@ never one that was only requested.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Container, Iterable, Mapping
 from functools import partial
 from operator import is_
@@ -37,10 +36,8 @@ from archo_tui.safe_text import harmless
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
 _DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.
-PERIOD = 30.0  # Seconds from the beginning of a round to that of the next.
-SLICE = 200  # Parameters in one request.
-# Requests a poll, of which there is one a second. With more than 150 requests a round takes longer.
-MAX_REQUESTS = 5
+PERIOD = 30.0  # Seconds after which the parameters of a node are read again, at least.
+MOST_AGAIN = 5  # Nodes that are read again at a poll, of which there is one a second.
 
 
 class Parameters:
@@ -68,7 +65,7 @@ class Parameters:
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._all: tuple[Parameter, ...] = ()  # What `all` returned last.
         self._loading: set[str] = set()
-        self._polling = ParameterPolling()
+        self._read: dict[str, float] = {}  # When each node was asked last, in monotonic seconds.
         node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
@@ -97,6 +94,7 @@ class Parameters:
         """
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
+            self._read.pop(gone, None)
             self._services.destroy_clients(gone)
             if self._by_node.pop(gone, None) is not None:
                 self._on_change()
@@ -112,22 +110,23 @@ class Parameters:
                 self._loading.add(name)
                 self._submit(partial(self._load, name))
         self._known = dict(nodes)
-        for node, names in self._polling.take_due(now, self._by_node):
-            if node in self._by_node:  # Others have left in this round.
-                self._submit(partial(self._refresh, node, names))
+        # Those that have waited longest are read again, a few at each poll.
+        due = sorted(self._by_node.keys() - self._loading, key=lambda node: self._read[node])
+        for node in due[: min(MOST_AGAIN, 1 + len(due) // int(PERIOD))]:
+            if now - self._read[node] >= PERIOD:
+                self._read[node] = now
+                self._submit(partial(self._refresh, node))
 
-    async def _refresh(self, node: str, names: list[str]) -> None:
-        """Read parameters of a node again; if it has others now, forget it, to load it anew."""
+    async def _refresh(self, node: str) -> None:
+        """Read the parameters of a node again; if it has others now, forget it, to load it anew."""
         known = self._by_node.get(node, {})
         # A parameter without a value cannot be read; its node publishes when it gets one.
-        names = [name for name in names if name in known and known[name].value is not None]
+        names = [name for name in known if known[name].value is not None]
         got = await self._values(node, names) if names else {}
         if got is None or node not in self._by_node:
             return
         if len(got) != len(names):
-            self._by_node.pop(
-                node
-            )  # Its parameters are others now: the next poll loads all of them.
+            del self._by_node[node]  # Its parameters are others now: the next poll loads all.
             return
         for name, value in got.items():
             self._take(node, name, value)
@@ -167,6 +166,7 @@ class Parameters:
                 self._retry[node] = self._clock.monotonic() + wait, wait
                 return
             self._retry.pop(node, None)
+            self._read[node] = self._clock.monotonic()
             self._by_node[node] = {
                 name: _parameter(node, name, descriptor, got.get(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
@@ -309,30 +309,3 @@ def without_secrets(message: ParameterEvent) -> ParameterEvent:
         changed_parameters=changed,
         deleted_parameters=deleted,
     )
-
-
-class ParameterPolling:
-    """The schedule by which all parameters of all nodes are read again, in rounds of PERIOD."""
-
-    def __init__(self) -> None:
-        self._left: deque[tuple[str, list[str]]] = deque()  # Requests of this round.
-        self._next = 0.0  # Monotonic seconds at which the next round may begin.
-        self._each = 0  # Requests a poll in this round.
-
-    def take_due(
-        self, now: float, names: Mapping[str, Iterable[str]]
-    ) -> list[tuple[str, list[str]]]:
-        """Remove and return the requests for this poll; [] while the next round is not due.
-
-        A round begins PERIOD after the last one began, or later if that is not done.
-        """
-        if not self._left:
-            if now < self._next:
-                return []
-            self._next = now + PERIOD
-            for node in sorted(names):
-                known = list(names[node])
-                slices = range(0, len(known), SLICE)
-                self._left.extend((node, known[first : first + SLICE]) for first in slices)
-            self._each = min(MAX_REQUESTS, 1 + int(len(self._left) / PERIOD))
-        return [self._left.popleft() for _ in range(min(self._each, len(self._left)))]

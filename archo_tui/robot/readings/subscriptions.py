@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from enum import Enum, auto
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
@@ -20,18 +18,6 @@ from archo_tui.robot_file import check
 from archo_tui.robot_file.model import fields_of
 
 
-class News(Enum):
-    """The difference of a message's readings from the last ones; a larger value weighs more."""
-
-    NONE = auto()  # Only its time differs.
-    NUMBERS = auto()  # Readings differ, as they do all the time.
-    WORDS = auto()  # Something on which a person acts: it is stopped, or cannot be read.
-
-
-# If one message has several readings, the weightiest difference is passed on.
-_WEIGHT = attrgetter("value")
-
-
 class Reader(NamedTuple):
     """A reading and its topic."""
 
@@ -40,8 +26,8 @@ class Reader(NamedTuple):
     topic: str  # The topic as the robot file names it.
     # The fields to read, by message type and name of the value; None: of any type, to be recorded.
     types: Mapping[str, Mapping[str, Fields]] | None
-    # Called with a message and the fields of its type; returns what is new.
-    callback: Callable[[Any, Mapping[str, Fields]], News]
+    # Called with a message and the fields of its type; returns True if a value has changed.
+    callback: Callable[[Any, Mapping[str, Fields]], bool]
 
 
 class _Subscription(NamedTuple):
@@ -60,7 +46,7 @@ class ReadingSubscriptions:
         self,
         node: Listener,
         readers: Sequence[Reader],
-        on_reading: Callable[[str, News], None],
+        on_reading: Callable[[str, bool], None],
         on_stamp: Callable[[str, Any], None],
         warn: Callable[[str], None],
     ) -> None:
@@ -157,12 +143,12 @@ class ReadingSubscriptions:
             header = getattr(message, "header", None)
             if header is not None and hasattr(header, "stamp"):
                 self._on_stamp(topic, header.stamp)
-            news: dict[str, News] = {}  # By the topic's name in the robot file.
+            changed: dict[str, bool] = {}  # By the topic's name in the robot file.
             for reader in readers:
                 new = reader.callback(message, {} if reader.types is None else reader.types[kind])
-                news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
-            for name, new in news.items():
-                self._on_reading(name, new)
+                changed[reader.topic] = changed.get(reader.topic, False) or new
+            for name, has_changed in changed.items():
+                self._on_reading(name, has_changed)
 
         message_class = load_class(kind)
         try:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.robot.messages.period import Period
 from archo_tui.robot.messages.values import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.node import Listener
-from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
-from archo_tui.robot.state.readings import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot.readings.subscriptions import Reader, ReadingSubscriptions
+from archo_tui.robot.state.readings import (
+    WORST_FIRST,
+    Battery,
+    Diagnostic,
+    DiagnosticLevel,
+    GaugeReading,
+    Motion,
+    Pose,
+)
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
@@ -26,14 +32,6 @@ _JUMP = 0.5  # Percent in the wrong direction that are more than noise.
 _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V and m/s; a larger value is no reading.
 _FARTHEST = 1e7  # m; more than around a quarter of the earth is no position.
 _MOST = 1e15  # Of a gauge without a range: a double has so many digits.
-
-_BATTERY = (
-    attrgetter("charging", "discharging", "health", "period", "unreadable"),
-    attrgetter("percentage", "voltage"),
-)
-_MOTION = attrgetter("moving", "stopped", "period"), attrgetter("count", "speed")
-_POSE = attrgetter("frame", "period"), attrgetter("x", "y", "yaw")
-_GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
 class Telemetry:
@@ -47,7 +45,7 @@ class Telemetry:
         node: Listener,
         robot: RobotFile,
         clock: Clock,
-        on_reading: Callable[[str, News], None],
+        on_reading: Callable[[str, bool], None],
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
         record: Sequence[str] = (),  # Further topics, which only the black box has.
@@ -55,7 +53,7 @@ class Telemetry:
         self._robot, self._clock = robot, clock
         self._warn = warn
         readers = [*self._make_readers()]
-        readers += [Reader(topic, topic, None, lambda *_: News.NONE) for topic in record]
+        readers += [Reader(topic, topic, None, lambda *_: False) for topic in record]
         self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
         self.periods: dict[object, Period] = {}  # The measured ones, by the key of the reading.
         topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
@@ -139,7 +137,7 @@ class Telemetry:
             self.periods[key] = period.measured_again(old if is_its else None, new)
         self._change_all(lambda key: {"period": self._period(key)})
 
-    def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> News:
+    def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> bool:
         assert self._robot.battery is not None
         topic = self._robot.battery.topic
         found = {name: read(field, message) for name, field in fields.items()}
@@ -160,9 +158,9 @@ class Telemetry:
             **self._received("battery", now),
         )
         self._sample(now, turned=charging != self.battery.charging)
-        return _news(last, self.battery, *_BATTERY)
+        return _differs(last, self.battery)
 
-    def _on_motion(self, message: Any, fields: Mapping[str, Fields]) -> News:
+    def _on_motion(self, message: Any, fields: Mapping[str, Fields]) -> bool:
         assert self._robot.motion is not None
         found = {name: read(field, message) for name, field in fields.items()}
         now, last = self._clock.monotonic(), self.motion
@@ -173,9 +171,9 @@ class Telemetry:
             stopped=flag(found.get("stopped")),
             **self._received("motion", now),
         )
-        return _news(last, self.motion, *_MOTION)
+        return _differs(last, self.motion)
 
-    def _on_pose(self, message: Any, fields: Mapping[str, Fields]) -> News:
+    def _on_pose(self, message: Any, fields: Mapping[str, Fields]) -> bool:
         found = {name: read(field, message) for name, field in fields.items()}
         now, last = self._clock.monotonic(), self.pose
         self.pose = Pose(
@@ -185,13 +183,13 @@ class Telemetry:
             frame=harmless(str(found.get("frame") or "")),
             **self._received("pose", now),
         )
-        return _news(last, self.pose, *_POSE)
+        return _differs(last, self.pose)
 
-    def _on_diagnostics(self, message: Any, _fields: Mapping[str, Fields]) -> News:
-        has_changed = self.diagnostics.add(message, self._clock.monotonic())
-        return News.WORDS if has_changed else News.NUMBERS
+    def _on_diagnostics(self, message: Any, _fields: Mapping[str, Fields]) -> bool:
+        self.diagnostics.add(message, self._clock.monotonic())
+        return True
 
-    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> News:
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> bool:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
         value = read(fields["value"], message)
         reading = number(value, *_range(gauge))
@@ -201,7 +199,7 @@ class Telemetry:
         timed = self._received(place, now)
         new = GaugeReading(gauge, reading, unreadable=unreadable, **timed)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
-        return _news(last, new, *_GAUGE)
+        return _differs(last, new)
 
     def _received(self, key: object, now: float) -> dict[str, Any]:
         """Count a message of a reading; return the fields that tell when it came."""
@@ -229,10 +227,10 @@ class Telemetry:
             self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
 
 
-def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter[Any]) -> News:
-    if words(last) != words(new):
-        return News.WORDS
-    return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
+def _differs(last: Any, new: Any) -> bool:
+    """Return True if two readings differ in more than when they came."""
+    values, before = (vars(r) if isinstance(r, Motion) else r._asdict() for r in (new, last))
+    return any(value != before[name] for name, value in values.items() if name != "received")
 
 
 def _named_fields(fields: Any) -> dict[str, Fields]:
@@ -248,3 +246,71 @@ def _range(gauge: Gauge) -> tuple[float, float]:
 def _range_text(gauge: Gauge) -> str:
     limited = gauge.low is not None and gauge.high is not None
     return f"within {gauge.low:g} .. {gauge.high:g}" if limited else "a number of this gauge"
+
+
+# Diagnostics.
+
+_MOST_PARTS = 1000  # Parts that are kept; a publisher of ever new names must not fill the memory.
+# The constants of diagnostic_msgs/msg/DiagnosticStatus.
+_LEVELS = dict(enumerate(DiagnosticLevel))
+
+
+_Key = tuple[str, str]  # The name and the hardware id of a part.
+
+
+class Diagnostics:
+    """The last diagnostic status of each part of the robot, by its name and hardware id."""
+
+    def __init__(self) -> None:
+        self.all: tuple[Diagnostic, ...] = ()  # The statuses, sorted by name and hardware id.
+        self._by_key: Mapping[_Key, Diagnostic] = {}
+        self._periods: dict[_Key, Period] = {}
+
+    def add(self, message: Any, now: float) -> None:
+        """Update the table with the statuses of a DiagnosticArray.
+
+        Of several statuses of one part in the array, the worst counts.
+        """
+        found = dict(self._by_key)
+        for status in _worst(message.status, now):
+            period = self._periods.get(status.key, Period()).with_message_at(now)
+            self._periods[status.key] = period
+            found[status.key] = status._replace(period=period.typical)
+            unnamed = found.get((status.name, ""))
+            if status.hardware_id and unnamed and unnamed.level is DiagnosticLevel.OK:
+                del found[unnamed.key]
+        if len(found) > _MOST_PARTS:  # What is OK, and was received longest ago, makes way.
+            kept = sorted(
+                found.values(), key=lambda s: (s.level is DiagnosticLevel.OK, -s.received)
+            )
+            found = {status.key: status for status in kept[:_MOST_PARTS]}
+        self._periods = {key: self._periods[key] for key in found}
+        self._replace_by(found)
+
+    def forget(self, key: tuple[str, str]) -> None:
+        """Drop the part of a name and hardware id."""
+        self._periods.pop(key, None)
+        self._replace_by({k: status for k, status in self._by_key.items() if k != key})
+
+    def _replace_by(self, found: Mapping[_Key, Diagnostic]) -> None:
+        self._by_key = found
+        self.all = tuple(found[key] for key in sorted(found))
+
+
+def _worst(statuses: Iterable[Any], now: float) -> Iterable[Diagnostic]:
+    """Return the worst status of each part in one array; of equally bad ones, the first."""
+    worst: dict[_Key, Diagnostic] = {}
+    for status in statuses:
+        name = harmless(status.name) or "(without a name)"
+        level = _LEVELS.get(_level_number(status.level), DiagnosticLevel.ERROR)
+        text = harmless(status.message)
+        new = Diagnostic(name, harmless(status.hardware_id), level, text, now)
+        known = worst.setdefault(new.key, new)
+        if WORST_FIRST.index(level) < WORST_FIRST.index(known.level):
+            worst[new.key] = new
+    return worst.values()
+
+
+def _level_number(level: Any) -> int:
+    """Return a level as a number; rosidl's Python has a `byte` as `bytes` of length one."""
+    return level[0] if isinstance(level, bytes) else int(level)

@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.robot import calls
-from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests.run import run
+from archo_tui.robot.requests.commands import run
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.stop.gate import HOLDS, Gate
 from archo_tui.robot.topics.publications import Publication

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from archo_tui.clock import Monotonic
-from archo_tui.robot.messages.period import is_silent
+from archo_tui.robot.messages.period import MessageRate, is_silent
 from archo_tui.robot.messages.values import number, same
 from archo_tui.robot_file.model import ParameterRef
 
@@ -53,6 +53,26 @@ class NodeState(NamedTuple):
         Before the first message, or without a rate, it is False.
         """
         return is_silent(self.heard, 1 / self.rate if self.rate else None, now, None)
+
+
+def node_states(
+    names: Iterable[str],
+    logged: Mapping[str, Monotonic],
+    rates: Iterable[tuple[str, MessageRate]],
+) -> dict[str, NodeState]:
+    """Return by name when each node was heard last, and the rate of its most frequent topic.
+
+    `logged` has the times of log lines, `rates` the publisher of each topic and its rate.
+    """
+    found = {name: NodeState(name, logged.get(name)) for name in names}
+    for name, rate in rates:
+        if (node := found.get(name)) is not None:
+            heard, hertz = (
+                max(node.heard or 0.0, rate.heard),
+                max(node.rate or 0.0, rate.hertz or 0.0),
+            )
+            found[name] = NodeState(name, heard, hertz or None)
+    return found
 
 
 def level_word(number: Any) -> str:

@@ -128,7 +128,6 @@ class Snapshot(NamedTuple):
     # The nodes of STOP's service and of each action that several nodes serve.
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False  # True if a node publishes simulated time on /clock.
-    clock_still_since: Monotonic | None = None  # Since when /clock stands still.
     # The clocks that differ from this computer's: theirs minus ours in seconds, by node or topic.
     clock_offsets: Mapping[str, float] = _NOTHING
     other_namespaces: tuple[str, ...] = ()  # The other namespaces that have nodes.

@@ -10,7 +10,6 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
-from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
@@ -26,6 +25,7 @@ from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
@@ -59,7 +59,6 @@ class StopSender:
     def __init__(
         self,
         node: Node,
-        timer_clock: RosClock,
         services_of_robot: model.StopServices | None,
         clock: Clock,
         calls: Services,
@@ -69,7 +68,7 @@ class StopSender:
         telemetry: Telemetry,
         reporter: Reporter,
         snapshots: SnapshotSender,
-        thread: Callable[[], RosThread],
+        thread: RosThread,
         unended_nodes: Callable[[], Collection[str]],
     ) -> None:
         self._node, self._served, self._clock = node, services_of_robot, clock
@@ -80,7 +79,7 @@ class StopSender:
         self.stop = Stop()
         self.time = 0.0
         self.still_running: tuple[str, ...] = ()
-        self._timer = node.create_timer(_PERIOD, self.tick, clock=timer_clock)
+        self._timer = node.create_timer(_PERIOD, self.tick, clock=calls.steady)
         self._timer.cancel()
 
     def _become(self, after: Stop) -> bool:
@@ -272,9 +271,9 @@ class StopSender:
             if what is StopEffect.SEND:
                 is_first = self.stop.open and self.stop.open.answer is StopAnswer.NOT_SENT
                 when = "now" if is_first else "again"
-                self._thread().submit(partial(self._send_again, self._begin_call(), when))
+                self._thread.submit(partial(self._send_again, self._begin_call(), when))
             elif what is StopEffect.CANCEL_ALL:
-                self._thread().submit(self._cancel_all)
+                self._thread.submit(self._cancel_all)
             else:
                 goals.cancel_from_before(turn, mine=what is StopEffect.CANCEL_OWN)
         names = goals.names_from_before(self.stop.must_be_obeyed(now))
@@ -301,7 +300,7 @@ class StopSender:
         if outcome.code is Code.REFUSED and runs_here:
             return  # Only a goal of this console ran, whose end is an event.
         text = f"STOP was not confirmed in time: {outcome.text}"
-        self._reporter.report_cancel_of_others(text, outcome.code)
+        self._reporter.report_done(text, AuditRecord("cancel", {"all": True}, outcome.code))
 
 
 def _not_sent(code: Code, reason: str) -> Answers:

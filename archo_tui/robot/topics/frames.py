@@ -7,6 +7,7 @@ from functools import partial
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.node import Listener
 from archo_tui.robot.state.frames import Transforms, with_transforms
@@ -27,11 +28,11 @@ class FrameListener:
         self,
         node: Listener,
         clock: Clock,
-        is_simulated: Callable[[], bool],  # Stamps are then no time of day.
+        graph: Graph,
         on_change: Callable[[], None],
     ) -> None:
         self._node, self._clock = node, clock
-        self._is_simulated, self._on_change = is_simulated, on_change
+        self._graph, self._on_change = graph, on_change
         self._users = 0
         self._inspections: dict[str, Inspection] = {}  # By `tf` and `tf_static`.
         self.transforms = Transforms()
@@ -96,7 +97,8 @@ class FrameListener:
         except ArchoError as error:
             self._set_fault(f"{self._inspections[name].topic}: {error}")
             return
-        wall_time = None if self._is_simulated() else self._clock.now()
+        # In simulated time a stamp is no time of day.
+        wall_time = None if self._graph.has_clock else self._clock.now()
         frames = with_transforms(
             *(self.transforms.frames, received, now, wall_time), is_static=name == "tf_static"
         )

@@ -33,7 +33,7 @@ MAX_BYTES = 8_000_000  # Of a message that is decoded; with many small parts it 
 _INTERVAL = 0.04  # Seconds between two kept messages; with the newest of each look, 30 a second.
 _WAITING_BYTES = 16_000_000  # Of all messages that wait.
 _WINDOW = 5.0  # Seconds in which the rate is measured.
-_BUCKETS_PER_SECOND = 2
+_COUNTED = 5_000  # Messages that count for the rate at most.
 
 
 class Inspection:
@@ -54,7 +54,6 @@ class Inspection:
         self._on_data, self._depth = on_data, depth
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
-        self._is_tap = False  # True while the messages are those of another subscription.
         self._qos: QoSProfile | None = None
         # The last message: its number, counted from 1, and its bytes; (0, b"") before the first.
         self.newest: tuple[int, bytes] = (0, b"")
@@ -68,17 +67,7 @@ class Inspection:
         self.greatest: float | None = None  # The longest time between two messages, in seconds.
 
     def subscribe(self) -> None:
-        """Begin to count, with a QoS that fits the present publishers. ROS thread only.
-
-        If the node listens to the topic already, no second subscription is made: its messages are
-        counted, the last one that it received at once.
-        """
-        self._is_tap = self._node.listens(self._class, self.topic)
-        if self._is_tap:
-            last = self._node.tap(self._class, self.topic, self._take)
-            if last is not None and not self.count:
-                self._take(last, was_kept=True)
-            return
+        """Begin to count, with a QoS that fits the present publishers. ROS thread only."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         self._qos = fitting_qos(publishers, self._depth)
         if self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
@@ -86,15 +75,10 @@ class Inspection:
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
 
     def resubscribe_if_needed(self) -> None:
-        """Subscribe again if the publishers, or the node's other subscription, have changed.
+        """Subscribe again if the QoS fits the publishers no more; the counts go on.
 
-        Nothing is done while the QoS still fits, or without publishers. The counts go on. ROS
-        thread only.
+        ROS thread only.
         """
-        if self._node.listens(self._class, self.topic) != self._is_tap:
-            self.unsubscribe()
-            self.subscribe()
-            return
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if self._subscription is None or not publishers:
             return
@@ -105,14 +89,13 @@ class Inspection:
 
     def unsubscribe(self) -> None:
         """End the subscription, if there is one; the counts stay. ROS thread only."""
-        self._node.untap(self._take)
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
 
-    def _take(self, data: bytes, *, was_kept: bool = False) -> None:
+    def _take(self, data: bytes) -> None:
         now = self._clock.monotonic()
-        was_kept = was_kept or now < self._kept_until
+        was_kept = now < self._kept_until
         if was_kept:
             self.kept, self.kept_size = self.kept + 1, self.kept_size + len(data)
         elif self.count == self.kept:
@@ -162,15 +145,6 @@ class RawMessage(NamedTuple):
     data: bytes
 
 
-class _Bucket(NamedTuple):
-    """The messages that came within half a second."""
-
-    number: int  # The number of the half second, counted from the time 0.0.
-    first: float  # When the first message came, in seconds.
-    messages: int  # The number of messages that came.
-    size: int  # The bytes of all of them.
-
-
 class MessageIntake:
     """A buffer of the messages of one topic, which one thread fills and another one drains."""
 
@@ -185,8 +159,7 @@ class MessageIntake:
         self._waiting_bytes = 0
         self._kept_at: float | None = None
         self._newest: RawMessage | None = None  # If it is not among those that wait.
-        self._last_few: deque[tuple[float, int]] = deque(maxlen=RATE_INTERVALS + 1)
-        self._buckets: deque[_Bucket] = deque(maxlen=int(_WINDOW * _BUCKETS_PER_SECOND) + 1)
+        self._arrivals: deque[tuple[float, int]] = deque(maxlen=_COUNTED)  # Times and bytes.
 
     def add(self, time: float, data: bytes, was_kept: bool = False) -> None:
         """Count a message, and keep it for `drain`, unless it is too large or too many wait.
@@ -196,8 +169,7 @@ class MessageIntake:
         """
         with self._lock:
             if not was_kept:
-                self._count(time, len(data))
-                self._last_few.append((time, len(data)))
+                self._arrivals.append((time, len(data)))
                 self.last = time
             self.received, self.last_size = self.received + 1, len(data)
             self._newest = None
@@ -232,31 +204,19 @@ class MessageIntake:
         lower the rates.
         """
         with self._lock:
-            buckets, last, few = tuple(self._buckets), self.last, tuple(self._last_few)
-        if last is None or len(few) <= RATE_INTERVALS:
+            arrivals = tuple(self._arrivals)
+        counted = [arrival for arrival in arrivals if now - arrival[0] <= _WINDOW]
+        if len(counted) <= RATE_INTERVALS:
+            counted = [*arrivals[-RATE_INTERVALS - 1 :]]
+            if len(counted) <= RATE_INTERVALS:
+                return None
+            if now - counted[-1][0] > max(counted[-1][0] - counted[0][0], _WINDOW):
+                return None
+        span = counted[-1][0] - counted[0][0]
+        if span <= 0:
             return None
-        recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]
-        count, begin = sum(bucket.messages for bucket in recent), few[0][0]
-        size = sum(bucket.size for bucket in recent)
-        if count > RATE_INTERVALS:
-            begin = recent[0].first
-        elif now - last <= max(last - begin, _WINDOW):
-            count, size = len(few), sum(size for _, size in few)
-        else:
-            return None
-        if last <= begin:
-            return None
-        rate = (count - 1) / (last - begin)
-        return rate, rate * size / count
-
-    def _count(self, time: float, size: int) -> None:
-        number = int(time * _BUCKETS_PER_SECOND)
-        last = self._buckets[-1] if self._buckets else None
-        if last is not None and last.number == number:
-            messages = last.messages + 1
-            self._buckets[-1] = last._replace(messages=messages, size=last.size + size)
-        else:
-            self._buckets.append(_Bucket(number, time, 1, size))
+        rate = (len(counted) - 1) / span
+        return rate, rate * sum(size for _, size in counted) / len(counted)
 
 
 PERIOD = 0.2  # Seconds between two views.

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
@@ -66,9 +65,9 @@ class Publication:
 class Publications:
     """All publications of this console that run."""
 
-    def __init__(self, node: Node, clock: Clock, services: Services, timer_clock: RosClock) -> None:
+    def __init__(self, node: Node, clock: Clock, services: Services) -> None:
         self._node, self._clock = node, clock
-        self._services, self._timer_clock = services, timer_clock
+        self._services = services
         self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
 
     async def begin(
@@ -130,7 +129,7 @@ class Publications:
 
         next_message()
         if not publication.is_over:
-            clock = self._timer_clock
+            clock = self._services.steady
             publication.timers = [
                 self._node.create_timer(1.0 / rate, next_message, clock=clock),
                 self._node.create_timer(_LOOK_PERIOD, look, clock=clock),
@@ -168,7 +167,7 @@ class Publications:
             self._node.destroy_timer(timer)
             self._node.destroy_publisher(publication.publisher)
 
-        timer = self._node.create_timer(_LINGER, destroy, clock=self._timer_clock)
+        timer = self._node.create_timer(_LINGER, destroy, clock=self._services.steady)
 
     def end_all(self, why: str) -> str:
         """End all that run; return what was ended, "" for nothing."""

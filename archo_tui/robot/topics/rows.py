@@ -1,23 +1,20 @@
-"""The fields of a topic's messages as rows, with ranges and a minute of values. Pure.
-
-All numbers are read from each message, but the rows are made for each picture only.
-"""
+"""The fields of a topic's messages as rows, with ranges and a minute of values. Pure."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from array import array
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import islice
-from operator import attrgetter
 from typing import Any, NamedTuple
 
-from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.errors import in_one_line
 from archo_tui.robot.messages.definitions import value_names
-from archo_tui.robot.messages.text import as_list, find_field, primitive, shortened, summarize
+from archo_tui.robot.messages.text import as_list, primitive, shortened, summarize
 from archo_tui.robot.messages.types import (
     DURATION,
-    INTEGERS,
     NESTED,
     TIME,
     element_of,
@@ -30,16 +27,14 @@ from archo_tui.robot.state.topic import (
     Curve,
     FieldKind,
     FieldView,
+    Range,
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.topics.series import Series
 
 MAX_FIELDS = 2_000  # Rows of one message.
 SPAN = 60.0  # Seconds of values.
 PER_SECOND = 10  # Least and greatest of a field are kept for each tenth of a second.
-_NUMBERS = {*INTEGERS, "float", "double", "boolean"}
-_Convert = Callable[[Any], float] | None  # None where a value is a number already.
 
 
 class _FieldType(NamedTuple):
@@ -147,71 +142,6 @@ def _shown(value: Any, kind: str) -> bool | float | str:
     return shortened(shown) if isinstance(shown, str) else shown
 
 
-class _MessageNumbers:
-    """A reader of all numbers in messages of one class, outside of arrays, at once.
-
-    That is far cheaper than to make its rows. Bools and Durations count as numbers.
-    """
-
-    def __init__(self, message: Any) -> None:
-        found = dict(_numbers(message, ""))
-        self.paths = tuple(found)[:MAX_FIELDS]
-        self._get = attrgetter(*self.paths) if self.paths else None
-        # Most values are numbers already.
-        self._convert = [
-            (place, convert) for place, path in enumerate(self.paths) if (convert := found[path])
-        ]
-
-    def read(self, message: Any) -> tuple[Any, ...]:
-        """Return the numbers of a message of the same class, in the order of `paths`."""
-        if self._get is None:
-            return ()
-        read = self._get(message)
-        values: tuple[Any, ...] = (read,) if len(self.paths) == 1 else read
-        if self._convert:
-            changed = list(values)
-            for place, convert in self._convert:
-                changed[place] = convert(changed[place])
-            values = tuple(changed)
-        return values
-
-
-def _element_numbers(message: Any, open_arrays: Mapping[str, int]) -> Iterator[tuple[str, Any]]:
-    """Yield path and value of the numbers in those elements of open arrays that are shown."""
-    for path, begin in open_arrays.items():
-        try:
-            array = find_field(message, path)
-        except ArchoError:  # It was an element of an array that has become shorter.
-            continue
-        element, value = element_of(array.type) or "", array.default
-        shown = shown_elements(begin, len(value))
-        convert = _converter(element)
-        for index, item in zip(shown, as_list(value[shown.start : shown.stop]), strict=True):
-            where = f"{path}[{index}]"
-            if element in _NUMBERS or element == DURATION:
-                yield where, convert(item) if convert else item
-            elif element != TIME and NESTED.fullmatch(element):
-                for inner, convert_inner in _numbers(item, ""):
-                    found = attrgetter(inner)(item)
-                    yield f"{where}.{inner}", convert_inner(found) if convert_inner else found
-
-
-def _numbers(message: Any, before: str) -> Iterator[tuple[str, _Convert]]:
-    """Yield the path of each number outside of arrays, and what converts its value."""
-    for field in _field_types(message):
-        path = f"{before}{field.name}"
-        if field.kind in _NUMBERS or field.kind == DURATION:
-            yield path, _converter(field.kind)
-        elif field.is_message and field.kind != TIME:
-            yield from _numbers(getattr(message, field.name), f"{path}.")
-
-
-def _converter(kind: str) -> _Convert:
-    if kind == "octet":
-        return lambda value: int(value[0])
-    return _seconds if kind == DURATION else None
-
-
 class TopicFields:
     """The rows, ranges and curves of a topic's fields since the topic was opened.
 
@@ -221,10 +151,8 @@ class TopicFields:
     def __init__(self, units: Mapping[str, str]) -> None:
         self._units = units  # Of the robot file, by path.
         self._histories: dict[str, Series] = {}
-        self._numbers: _MessageNumbers | None = None  # Of the class of the last message.
-        self._of_numbers: list[Series] = []  # In the order of their paths.
         self.message: Any = None  # The last one.
-        self._read: tuple[Any, Mapping[str, int]] = None, {}  # What the rows were made of.
+        self._open_arrays: Mapping[str, int] = {}  # With which its rows were made.
         self._rows: list[FieldView] = []
         self._shown: tuple[FieldView, ...] = ()  # The rows that were returned last.
         self.is_cut = False
@@ -234,18 +162,17 @@ class TopicFields:
 
         `time` is on the clock of `rows`. A hostile message may raise anything.
         """
-        numbers = self._numbers
-        if numbers is None or type(message) is not type(self.message):
-            numbers = self._numbers = _MessageNumbers(message)
-            self._of_numbers = [self._history(path) for path in numbers.paths]
-        self.message = message
-        tenth = math.floor(time * PER_SECOND)
-        for history, value in zip(self._of_numbers, numbers.read(message), strict=True):
-            if math.isfinite(value):
-                history.add(tenth, value)
-        for path, value in _element_numbers(message, open_arrays):
-            if math.isfinite(value):
-                self._history(path).add(tenth, value)
+        self._read(message, open_arrays)
+        part = math.floor(time * PER_SECOND)
+        for row in self._rows:
+            if row.kind is not FieldKind.VALUE or row.is_time or isinstance(row.value, str):
+                continue
+            if row.value is not None and math.isfinite(row.value):
+                self._history(row.path).add(part, row.value)
+
+    def _read(self, message: Any, open_arrays: Mapping[str, int]) -> None:
+        self._rows, self.is_cut = field_rows(message, open_arrays)
+        self.message, self._open_arrays = message, open_arrays
 
     def _history(self, path: str) -> Series:
         return self._histories.setdefault(path, Series(PER_SECOND, round(SPAN * PER_SECOND)))
@@ -257,10 +184,8 @@ class TopicFields:
         """
         if self.message is None:
             return ()
-        read, open_arrays = self._read
-        if read is not self.message or open_arrays != request.open_arrays:
-            self._rows, self.is_cut = field_rows(self.message, request.open_arrays)
-            self._read = self.message, request.open_arrays
+        if self._open_arrays != request.open_arrays:
+            self._read(self.message, request.open_arrays)
         before = self._shown
         rows = [self._complete(row, now, request) for row in self._rows]
         for place, (old, new) in enumerate(zip(before, rows, strict=False)):
@@ -308,3 +233,72 @@ def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int])
         for row in rows
     ]
     return view._replace(fields=tuple(fields), is_cut=is_cut, open_arrays=open_arrays)
+
+
+# The values of one number over time.
+
+# Where columns are shorter than a second, a value fills those of so many seconds, so that a topic
+# of 1 Hz has no gaps, though a message comes late.
+_HOLDS = 1.5
+_SLACK = 100  # Parts beyond those that are kept, so that not every new one moves all others.
+
+
+class Series:
+    """The last values of one number, and their range since the first one."""
+
+    def __init__(self, per_second: int, kept: int) -> None:
+        """Keep so many parts of a second, the newest; `per_second` of them are a second."""
+        self.least, self.greatest = math.inf, -math.inf
+        self._per_second, self._kept = per_second, kept
+        self._parts = array("q")  # Their numbers, counted from the time 0.0.
+        self._least, self._greatest = array("d"), array("d")
+
+    @property
+    def is_empty(self) -> bool:
+        """True before the first value."""
+        return not self._parts
+
+    def add(self, part: int, value: float) -> None:
+        """Add a finite value at a part of a second, by its number; earlier ones do not follow."""
+        # It is called thousands of times a second: `min` and `max` would take twice as long.
+        if value < self.least:
+            self.least = value
+        if value > self.greatest:
+            self.greatest = value
+        if self._parts and self._parts[-1] == part:
+            if value < self._least[-1]:
+                self._least[-1] = value
+            if value > self._greatest[-1]:
+                self._greatest[-1] = value
+            return
+        self._least.append(value)
+        self._greatest.append(value)
+        self._parts.append(part)  # Last: a replay is drawn while another thread reads it.
+        if len(self._parts) > self._kept + _SLACK:
+            for of in (self._parts, self._least, self._greatest):
+                del of[: -self._kept]
+
+    def curve(self, now: float, span: float, columns: int) -> tuple[Range | None, ...]:
+        """Return the last `span` seconds in columns, each with the range of its values, or None.
+
+        The columns begin at multiples of their length, so that a column that is past never changes.
+        """
+        width = span / columns
+        oldest = math.floor(now / width) - columns + 1
+        found: list[Range | None] = [None] * columns
+        holds = _HOLDS if width < 1.0 else 0.0
+        begin = bisect_left(self._parts, math.floor((oldest * width - holds) * self._per_second))
+        end = bisect_right(self._parts, math.floor(now * self._per_second))
+        times = [part / self._per_second for part in self._parts[begin:end]]
+        places = [max(math.floor(time / width) - oldest, -1) for time in times]
+        for number, (time, place) in enumerate(zip(times, places, strict=True)):
+            low, high = self._least[begin + number], self._greatest[begin + number]
+            if 0 <= place < columns:
+                both = found[place] or (low, high)
+                found[place] = min(both[0], low), max(both[1], high)
+            until = math.floor((time + holds) / width) - oldest + 1
+            if number + 1 < len(places):
+                until = min(until, places[number + 1])
+            for held in range(max(place + 1, 0), min(until, columns)):
+                found[held] = low, high
+        return tuple(found)

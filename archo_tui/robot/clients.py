@@ -1,16 +1,98 @@
-"""Changes of the robot that no console reports: another client made them. No input or output."""
+"""The clients of the robot: who requests something here, other consoles, and other programs.
+
+The consoles of a robot find each other by the names of their nodes. What none of them reports to
+have done, another client did.
+"""
 
 from __future__ import annotations
 
+import itertools
+import os
+import re
+import socket
+from asyncio import Future
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, NamedTuple
 
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.outcome import Code
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.readings import Motion
-from archo_tui.robot_file.model import RobotFile
+from archo_tui.ros_names import base_name
+from archo_tui.system import user_name
+
+ASSISTANT = "assistant"  # The beginning of an assistant's source.
+
+
+class Requester:
+    """A person or a program that requests something, as events and journal name it."""
+
+    def __init__(self, level: str, source: str) -> None:
+        self.level, self.source = level, source  # Of its events: `SHELL` and `pid 4711`.
+        # Futures for the outcomes of the goals that it requested.
+        self.ends: list[Future[Outcome]] = []
+        self.goal: Goal | None = None  # The last of these goals that ended; None if none has.
+        # True once it has gone: nothing more is sent for it, and what waits for an approval is
+        # dropped.
+        self.has_left = False
+        # True if it waits for the end of its goals, which are cancelled if it leaves.
+        self.waits = False
+
+    @property
+    def is_assistant(self) -> bool:
+        """True for a program through which a language model sends requests."""
+        return self.source.startswith(ASSISTANT)
+
+
+YOU = Requester("YOU", "console")
+_current: ContextVar[Requester] = ContextVar("current_requester", default=YOU)
+
+
+def current_requester() -> Requester:
+    """Return the requester of the present work; the person at the console by default."""
+    return _current.get()
+
+
+@contextmanager
+def on_behalf_of(requester: Requester) -> Iterator[None]:
+    """Make a requester the current one inside the `with` block, and in tasks that begin there."""
+    token = _current.set(requester)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+# Consoles.
+
+PREFIX = "_archo_console_"
+_LONGEST = 200  # Characters; rclpy accepts 255.
+_numbers = itertools.count(1)
+
+
+def new_node_name() -> str:
+    """Return a new name for a console's node: `_archo_console_anna_lab_4711` (user, host, process).
+
+    The second name in one process ends with `_2`, and so on. Other characters than letters, digits
+    and `_` become `_`; at most 200 characters are kept.
+    """
+    number = next(_numbers)
+    more = f"_{number}" if number > 1 else ""
+    name = f"{PREFIX}{user_name()}_{socket.gethostname()}_{os.getpid()}{more}"
+    return re.sub(r"_*[^A-Za-z0-9_]+_*", "_", name)[:_LONGEST]
+
+
+def author(node: str) -> str:
+    """Return the name of the console whose node this is: `anna_lab_4711`; "" for any other node."""
+    last = base_name(node)
+    return last.removeprefix(PREFIX) if last.startswith(PREFIX) else ""
+
+
+# Other programs.
 
 CLIENT, CONSOLE = "another client", "another console"
 # Seconds between a change and the report of the console that made it, before or after; a STOP
@@ -18,7 +100,6 @@ CLIENT, CONSOLE = "another client", "another console"
 _PATIENCE = 4.0
 _LATE = 20.0  # Seconds in which a request that was not answered in time may still be carried out.
 _GAP = 2.0  # Seconds of silence after which the robot's node may have been restarted.
-_RESTART = 3.0  # Seconds after a restart in which readings may differ because of it.
 _MAX_RECORDS = 200  # Reports that are kept.
 # Codes of requests that did not reach the robot. REFUSED is not among them: the robot may have done
 # a part, as when one of two servers stops.
@@ -46,15 +127,7 @@ class UnexplainedChanges:
     `author` names whoever makes a change that no console reports.
     """
 
-    def __init__(
-        self, file: RobotFile, motion_publishers: Callable[[], frozenset[bytes]] = frozenset
-    ) -> None:
-        self._commands = {"call"} | {
-            word for command in file.commands for word in (command.id, command.off_word) if word
-        }
-        self._publisher_ids = motion_publishers
-        self._known_ids: frozenset[bytes] = frozenset()
-        self._restarted = float("-inf")  # When the motion got another publisher; monotonic, s.
+    def __init__(self) -> None:
         self._records: deque[tuple[AuditRecord, float]] = deque(maxlen=_MAX_RECORDS)
         self._changes: list[_Change] = []
         self._motion = Motion()
@@ -66,23 +139,15 @@ class UnexplainedChanges:
             self._records.append((record, now))
 
     def on_motion(self, motion: Motion, now: float) -> None:
-        """Record a stop, a release, or a count that became zero since the last message.
-
-        The first values of a node that was restarted are no changes.
-        """
+        """Record that the robot was stopped or released since the last message."""
         before, self._motion = self._motion, motion
         if now - (before.received or 0.0) > _GAP:
             return  # Another node may publish it by now.
-        changes = []
         if before.stopped is False and motion.stopped:
-            changes.append(_Change(("stop", "call"), f"stopped by {self.author}", now))
+            self._changes.append(_Change(("stop", "call"), f"stopped by {self.author}", now))
         if before.stopped and motion.stopped is False:
-            changes.append(_Change(("release", "call"), f"stop released by {self.author}", now))
-        if before.count and motion.count == 0:
-            text = f"encoder reset by {self.author}: 0, was {before.count}"
-            changes.append(_Change(self._commands, text, now))
-        if changes and not self._has_restarted(now):
-            self._changes += changes
+            text = f"stop released by {self.author}"
+            self._changes.append(_Change(("release", "call"), text, now))
 
     def on_parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
         """Record that a node reports a new value of a parameter."""
@@ -92,18 +157,9 @@ class UnexplainedChanges:
 
     def take_due(self, now: float) -> list[str]:
         """Return a line for each change of 4 s ago or more that nobody has reported, once."""
-        self._has_restarted(now)
         due = [change for change in self._changes if now - change.at >= _PATIENCE]
         self._changes = [change for change in self._changes if now - change.at < _PATIENCE]
         return [change.text for change in due if not self._is_reported(change)]
-
-    def _has_restarted(self, now: float) -> bool:
-        """Return True if the motion has had other publishers in the last 3 s than before."""
-        ids = self._publisher_ids()
-        if ids and self._known_ids and ids != self._known_ids:
-            self._restarted = now
-        self._known_ids = ids or self._known_ids
-        return now - self._restarted <= _RESTART
 
     def _is_reported(self, change: _Change) -> bool:
         return any(

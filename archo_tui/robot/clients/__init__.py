@@ -1,1 +1,0 @@
-"""The clients of the robot: consoles, what others change, and the requesters here."""
