@@ -57,10 +57,8 @@ def read_recording(folder: Path) -> Recording:
 
     Raises OSError if it cannot be read, ValueError if it does not describe a bag.
     """
-    import yaml
-
     try:
-        bag = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
+        bag = _read_metadata(folder)
         custom = bag.get("custom_data")
         ours = custom if isinstance(custom, dict) else {}
         why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
@@ -74,8 +72,29 @@ def read_recording(folder: Path) -> Recording:
             int(number) if _NUMBER.fullmatch(number) else 0,
             int(at) / 1e9 if _NANOSECONDS.fullmatch(at) else None,
         )
-    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
+    except (AttributeError, KeyError, TypeError, ValueError):
         raise ValueError(f"{folder.name}: {METADATA} does not describe a bag") from None
+
+
+def _read_metadata(folder: Path) -> Any:
+    import yaml
+
+    try:
+        return yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
+    except (yaml.YAMLError, KeyError, TypeError, RecursionError) as error:
+        raise ValueError(error) from None
+
+
+def missing_parts(path: Path) -> list[str]:
+    """Return the names of .mcap files that the `metadata.yaml` of a bag names and that are gone."""
+    try:
+        named = _read_metadata(path)["relative_file_paths"]
+    except (OSError, ValueError, KeyError, TypeError):  # A single file, or its writer was killed.
+        return []
+    texts = filter(lambda name: isinstance(name, str), named if isinstance(named, list) else ())
+    names = [os.path.basename(name).removesuffix(".zstd") for name in texts]
+    # Unlike Path.exists, os.path.exists returns False for names that are too long.
+    return [n for n in names if n.endswith(".mcap") and not os.path.exists(path / n)]
 
 
 def _checked_count(value: Any) -> int:

@@ -594,3 +594,30 @@ def test_a_file_that_is_cut_while_it_is_read_gives_what_is_left(tmp_path: Path) 
     assert 10 < len(some) < 50
     assert some == drive()[: len(some)]
     assert all(fault.endswith(" bytes: damaged") for fault in found.faults)
+
+
+def test_a_part_that_is_missing_is_named(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a", drive(8))
+    metadata = folder / store.METADATA
+    text = metadata.read_text()
+    parts = ["a/recording_1.mcap", "recording_2.mcap.zstd", "x" * 300 + ".mcap", "notes.txt", "7"]
+    named = "".join(f"  - {part}\n" for part in ["recording_0.mcap", *parts])
+    metadata.write_text(text.replace("  - recording_0.mcap\n", named))
+    (folder / "recording_2.mcap").write_bytes((folder / "recording_0.mcap").read_bytes())
+    found = BagFile(folder)
+    assert found.count == 16
+    first, second = found.faults
+    assert first == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
+    assert second.startswith("xxx")
+
+
+@pytest.mark.parametrize("named", ["[", "7", "{a: 1}", "[[1], null, 3]"])
+def test_odd_names_of_parts_are_none(named: str, tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a", drive(8))
+    metadata = folder / store.METADATA
+    text = metadata.read_text().replace(
+        "relative_file_paths:\n  - recording_0.mcap", f"relative_file_paths: {named}"
+    )
+    assert named in text
+    metadata.write_text(text)
+    assert BagFile(folder).faults == []

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 from archo_tui.errors import ArchoError
+from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
     MAGIC,
@@ -217,6 +218,8 @@ class BagFile:
             raise refused[0]
         for refusal in refused:
             self._faults.add(str(refusal))
+        for name in store.missing_parts(path):
+            self._faults.add(f"{name} is missing: metadata.yaml names it as a part of this bag")
         self.start, self.end = (first / 1e9, last / 1e9) if self.count else (0.0, 0.0)
         self._parts.sort(key=lambda file_part: file_part.part.start)
 
