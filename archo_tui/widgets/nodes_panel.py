@@ -20,6 +20,7 @@ from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
 from archo_tui.widgets.rows import Rows
 
 _MARK_WIDTH, _AGE_WIDTH, _NAME_WIDTH = 2, 5, 16  # Cells; of a name at least.
+_RATE_WIDTH = 8  # Where there is room, so that no column moves between 9.9 and 10.0 Hz.
 _NARROW = 30  # Such a panel is also low: a crashed node must not hide the others.
 _KEYS = (("start_stop", "start/stop"), ("copy", "copy"))
 # That it crashed, and in which line: what is said of it is read first.
@@ -35,7 +36,7 @@ def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
     """Return the widths of names, which have what the others leave, ages and rates."""
     rate = column(map(_rate, rows), 0, width)
     name = column((row.label for row in rows), 0, width)
-    bounds = (1, name), (_AGE_WIDTH, _AGE_WIDTH), (rate, rate and rate + 2)
+    bounds = (1, name), (_AGE_WIDTH, _AGE_WIDTH), (rate, rate and max(rate, _RATE_WIDTH))
     room = width - _MARK_WIDTH
     widths = fit_columns(bounds, room, (0, 1, 2), gap=1)
     rest = room - sum(widths) - sum(map(bool, widths[1:]))

@@ -343,7 +343,7 @@ async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
         await op.press("ctrl+p")
         await op.type("list recordings")
         await op.press("enter")
-        await op.until("enter copy the command")
+        await op.until("enter play")
         await op.press("y")
         await op.until(f"archo-tui replay {recording.name}")
         await op.press("d")
