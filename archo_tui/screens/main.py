@@ -10,7 +10,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.content import Content
-from textual.geometry import Size
+from textual.geometry import Region, Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -422,7 +422,9 @@ class MainScreen(Base):
         line.show(notices, self.size.width)
         if notices:
             row = max(len(self.head) - 1, 0) + self.is_banner_needed
-            stop = self.query_one("#stop").region.intersection(self._body.region)
+            # At the end of the screen its button may be gone already.
+            regions = (button.region for button in self.query("#stop"))
+            stop = next(regions, Region()).intersection(self._body.region)
             if stop and row < stop.bottom and stop.y < row + line.rows:
                 row = stop.bottom
             line.styles.offset = 0, row

@@ -74,6 +74,7 @@ class Host:
         )
         self._changing = threading.Lock()
         self._hosted: list[_Hosted] = []
+        self._replaced: set[str] = set()  # The full names of all nodes that programs have made.
         self._is_over = False  # Set when the console ends: nothing is begun any more.
 
     @property
@@ -128,9 +129,16 @@ class Host:
         return bool(self._early_stop_request()[0])
 
     def add(self, make: Callable[..., Any]) -> None:
-        """Make a node of ARCHO's own, given the context by that name; `start` spins it."""
+        """Make a node of ARCHO's own, given the context by that name; `start` spins it.
+
+        If a program has made a node of that name meanwhile, there is none of ARCHO's own.
+        """
         with self._changing:
-            self._hosted.append(OwnNode(make, self._context, self._on_crashed))
+            own = OwnNode(make, self._context, self._on_crashed)
+            if own.name in self._replaced:
+                own.stop()
+            else:
+                self._hosted.append(own)
 
     def start(self) -> None:
         """Spin ARCHO's own nodes; a STOP that was read before is carried out first."""
@@ -339,12 +347,11 @@ class Host:
         confirms would not stop it. Called on a thread of the program; does nothing once that is to
         end.
         """
-        if not any(own.name == name for own in self.nodes):
-            return ""
         while not self._changing.acquire(timeout=_LOCK_POLL):
             if program.is_stopping:
                 return ""
         try:
+            self._replaced.add(name)
             for own in [own for own in self.nodes if own.name == name and not program.is_stopping]:
                 if not own.stop(WAY_TIMEOUT):
                     return f"ARCHO's own {name.lstrip('/')} {_OWN_STUCK}, so it is not replaced"

@@ -51,7 +51,8 @@ async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> N
     only = chosen.ENGINE == "ros2"  # there is one type a topic in one process, on DDS
     listing = LISTINGS / "battery_publisher.py"
     async with console(node_files=[listing], only=only, wait=False) as op:
-        await op.until(lambda: (op.app.view.snapshot.battery.percentage or 0) > 50)
+        # On a busy machine it may be empty by now, which the listing does not end at.
+        await op.until(lambda: op.app.view.snapshot.battery.received)
         await op.until("charging: not reported")
         names = op.session.host.names()
         others = [] if only else ["/dashboard", "/motor_controller"]

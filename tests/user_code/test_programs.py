@@ -974,10 +974,15 @@ def main():
 
 
 @pytest.mark.real_time
-def test_a_stop_typed_while_programs_begin_lets_none_of_them_make_a_node(here: Path) -> None:
+def test_a_stop_typed_while_programs_begin_lets_none_of_them_make_a_node(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.program.START_TIME", DEADLINE)
     counted: list[bool] = []
 
     def stop_was_typed() -> bool:
+        if counted:
+            Path("go").touch()
         if counted or not Path("begun").exists():
             return False
         counted.append(True)
@@ -986,6 +991,5 @@ def test_a_stop_typed_while_programs_begin_lets_none_of_them_make_a_node(here: P
     file = written("driver.py", SLOW_TO_BEGIN)
     with running(file, stop_was_typed=stop_was_typed, only=False) as session:
         assert counted
-        Path("go").touch()
         wait_until(lambda: states(session)["/driver"].life is Life.WAITING)
         assert "STOP was read while the console restarted: sent now" in texts(session)
