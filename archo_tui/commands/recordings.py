@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import socket
 import subprocess
@@ -10,10 +11,11 @@ import sys
 from collections.abc import Sequence
 from datetime import datetime
 from functools import partial
+from typing import Any
 
 from textual.binding import Binding
 
-from archo_tui.commands.base import Command, Desk, Work
+from archo_tui.commands.base import LONGEST, Command, Desk, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.handover import CONSOLE_SOCKET, GO
@@ -56,7 +58,8 @@ async def play(desk: Desk, recording: Recording) -> None:
     """Play a recording in the console's terminal, by a process of its own, until that ends.
 
     The process says when it could draw, gets the terminal then, and says when STOP was pressed,
-    which is sent from here. That, an alarm of high priority and the console's end end the replay.
+    which is sent from here. A STOP, an alarm of high priority and the console's end end the replay.
+    What was typed meanwhile and reached the console is for the replay, and dropped.
     """
     command = ["replay", recording.name]
     loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
@@ -64,29 +67,15 @@ async def play(desk: Desk, recording: Recording) -> None:
     ours.setblocking(False)
 
     def start() -> subprocess.Popen[bytes]:
-        return subprocess.Popen(
-            command_line(command),
-            stdin=desk.terminal.fileno,
-            stdout=sys.__stdout__,
-            stderr=sys.__stderr__,
-            pass_fds=[its.fileno()],
-            env={**os.environ, CONSOLE_SOCKET: str(its.fileno())},
-        )
-
-    async def lend() -> None:
-        await loop.sock_sendall(ours, GO)
-        said = asyncio.ensure_future(loop.sock_recv(ours, 1))
-        while not said.done() and not grave_alarms(desk) - before:
-            await asyncio.wait([said], timeout=_POLL)
-        is_left = said.done() and not said.result()
-        if said.done() and not is_left:
-            desk.action_command("stop")
-        if not is_left:
-            desk.drop_following_keys("The replay ended")
-        said.cancel()
-
-    process = await in_daemon(start)
-    its.close()
+        with its:
+            return subprocess.Popen(
+                command_line(command),
+                stdin=desk.terminal.fileno,
+                stdout=sys.__stdout__,
+                stderr=sys.__stderr__,
+                pass_fds=[its.fileno()],
+                env={**os.environ, CONSOLE_SOCKET: str(its.fileno())},
+            )
 
     def end() -> None:
         process.terminate()
@@ -96,21 +85,49 @@ async def play(desk: Desk, recording: Recording) -> None:
             process.kill()
             process.wait()
 
-    try:
-        with desk.opening():
-            is_ready = await loop.sock_recv(ours, 1)
-        if not is_ready:
-            text = f"not played: archo-tui {' '.join(command)} tells why"
-            desk.report_failure(Outcome(Code.REFUSED, text))
-        elif not gate.is_shut:
-            with desk.lend_terminal():
-                try:
+    async def follow(work: asyncio.Future[Any]) -> None:
+        while not (work.done() or gate.is_shut or grave_alarms(desk) - before):
+            await asyncio.wait([work], timeout=_POLL)
+
+    async def obey() -> None:
+        """Send each STOP that is pressed in the replay, until its process has ended."""
+        with contextlib.suppress(OSError):  # It was killed.
+            await loop.sock_sendall(ours, GO)
+            while await loop.sock_recv(ours, 1):
+                desk.action_command("stop")
+
+    def fail(what: str) -> None:
+        text = f"{what}: archo-tui {' '.join(command)} tells why"
+        desk.report_failure(Outcome(Code.REFUSED, text))
+
+    async def lend() -> None:
+        obeying = asyncio.ensure_future(obey())
+        try:
+            await follow(obeying)
+            code = await in_daemon(process.wait) if obeying.done() else 0
+        finally:
+            await in_daemon(end)
+            await obeying  # A STOP may have been pressed until then.
+        if code:
+            fail("the replay broke off")
+
+    with ours, desk.opening():
+        process = await in_daemon(start)
+        ready = asyncio.ensure_future(loop.sock_recv(ours, 1))
+        try:
+            await asyncio.wait_for(follow(ready), LONGEST)
+            if ready.done() and not ready.result():
+                fail("not played")
+                desk.repaint()  # It may have written on the screen.
+            elif ready.done() and not gate.is_shut:
+                with desk.lend_terminal():
                     await lend()
-                finally:
-                    await in_daemon(end)
-    finally:
-        ours.close()
-        await in_daemon(end)
+        except asyncio.TimeoutError:  # Its disk hangs.
+            fail("not played")
+        finally:
+            ready.cancel()
+            await in_daemon(end)
+            desk.drop_following_keys("The replay is over")
 
 
 def grave_alarms(desk: Desk) -> set[tuple[str, float]]:

@@ -216,7 +216,9 @@ class TerminalApp(App[None]):
             start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Ring the bell for new alarms of high priority, unless quiet."""
+        """Ring the bell for new alarms of high priority, unless quiet; later if it is lent."""
+        if self.terminal is not None and self.terminal.is_lent:
+            return
         if self.station.bell.take_new(alarms) and not self.station.quiet:
             self.bell()
 

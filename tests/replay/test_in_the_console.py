@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
 from collections.abc import Callable
@@ -37,19 +38,30 @@ class Fragile(Node):
 
 
 @pytest.fixture
-def playing(drive: Path, terminals: list[Terminal]) -> Callable[..., Terminal]:
-    """A console on its way to shelf 7, in whose terminal a recording is played."""
+def listed(drive: Path, terminals: list[Terminal]) -> Callable[..., Terminal]:
+    """A console that lists its recording; keys may have been typed before."""
 
-    def begin(*words: str) -> Terminal:
+    def begin(*words: str, typed: str = "", until: str = "max_speed") -> Terminal:
         shutil.copytree(drive, state_file("recordings") / drive.name, dirs_exist_ok=True)
         terminal = Terminal(*words, "--ros-args", *LONG)
         terminals.append(terminal)
         terminal.until("max_speed")
-        terminal.write("7\r")
-        terminal.until("MOVING")
+        terminal.write(typed)
+        terminal.until(until)
         terminal.write("\x10recordings\r")
         terminal.until("y copy its command")
         terminal.read_for(2 * HELD)  # The same key again is taken for a held one.
+        return terminal
+
+    return begin
+
+
+@pytest.fixture
+def playing(listed: Callable[..., Terminal]) -> Callable[..., Terminal]:
+    """A console on its way to shelf 7, in whose terminal a recording is played."""
+
+    def begin(*words: str) -> Terminal:
+        terminal = listed(*words, typed="7\r", until="MOVING")
         terminal.write("\r")
         terminal.until("REPLAY")
         terminal.until("Speed")
@@ -86,6 +98,7 @@ def test_a_grave_alarm_leads_back(
     (here / "crash").touch()
     terminal.until("NODE CRASHED")
     terminal.until("MOVING to 7")
+    terminal.until("\x07")
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -96,3 +109,63 @@ def test_the_end_of_the_console_ends_it_and_gives_the_terminal_back(
     terminal.kill(number)
     assert terminal.exit_code() == 128 + number
     assert terminal.is_as_before()
+
+
+def test_keys_typed_as_it_opens_and_behind_its_end_reach_no_robot(
+    listed: Callable[..., Terminal],
+) -> None:
+    terminal = listed()
+    terminal.write("\r7\r")
+    terminal.until("Speed")
+    terminal.output = b""
+    terminal.write("q" * 3)
+    terminal.until("goal yet")
+    terminal.until("The replay is over: press the key again.")
+    terminal.read_for(3 * HELD)
+    assert b"to 7" not in terminal.output
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+
+
+def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
+    playing: Callable[..., Terminal], here: Path
+) -> None:
+    (here / "fragile.py").write_text(CRASHES)
+    terminal = playing("--node", "fragile.py")
+    replay = _replay_of(terminal)
+    os.kill(replay, signal.SIGSTOP)  # It is slow to end.
+    (here / "crash").touch()
+    state = Path(f"/proc/{replay}/status")
+    terminal.until(lambda: _has_pending(state, signal.SIGTERM))
+    terminal.write("\x18")
+    os.kill(replay, signal.SIGCONT)
+    terminal.until("STOP: confirmed")
+
+
+def test_one_that_is_killed_leads_back_and_says_so(playing: Callable[..., Terminal]) -> None:
+    terminal = playing()
+    os.kill(_replay_of(terminal), signal.SIGKILL)
+    terminal.until("the replay broke off")
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
+
+
+def test_one_that_cannot_be_read_leaves_the_screen_whole(listed: Callable[..., Terminal]) -> None:
+    terminal = listed()
+    shutil.rmtree(state_file("recordings"))
+    terminal.write("\r")
+    terminal.until("not played")
+    terminal.until(lambda: "6 Events" in terminal.text.partition("no recordings in")[2])
+
+
+def _replay_of(terminal: Terminal) -> int:
+    """Return the process that plays in a terminal."""
+    tasks = Path(f"/proc/{terminal.pid}/task").glob("*/children")
+    (found,) = [int(child) for task in tasks for child in task.read_text().split()]
+    return found
+
+
+def _has_pending(status: Path, number: signal.Signals) -> bool:
+    """Return True if a signal waits for a process."""
+    masks = [line for line in status.read_text().splitlines() if line.startswith("ShdPnd")]
+    return bool(int(masks[0].split()[1], 16) >> number - 1 & 1)
