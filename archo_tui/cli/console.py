@@ -211,6 +211,8 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
                     restart = Handover(why, stop_key=app.stop_key, terminal=settings_before)
                     session.restart = restart
                     complain(f"{why}: the console restarts; {key} is STOP meanwhile")
+                else:  # It may have ended while its terminal was lent.
+                    restore_terminal(settings_before)
                 return app.return_code or 0
             failed, failures = app.failure, 1 if app.was_operated else failures + 1
             last = failed.strip().splitlines()[-1]

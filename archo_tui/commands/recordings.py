@@ -61,7 +61,6 @@ async def play(desk: Desk, recording: Recording) -> None:
     which is sent from here. A STOP, an alarm of high priority and the console's end end the replay.
     What was typed meanwhile and reached the console is for the replay, and dropped.
     """
-    command = ["replay", recording.name]
     loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
     ours, its = socket.socketpair()
     ours.setblocking(False)
@@ -69,7 +68,7 @@ async def play(desk: Desk, recording: Recording) -> None:
     def start() -> subprocess.Popen[bytes]:
         with its:
             return subprocess.Popen(
-                command_line(command),
+                command_line(["replay", recording.name]),
                 stdin=desk.terminal.fileno,
                 stdout=sys.__stdout__,
                 stderr=sys.__stderr__,
@@ -97,7 +96,7 @@ async def play(desk: Desk, recording: Recording) -> None:
                 desk.action_command("stop")
 
     def fail(what: str) -> None:
-        text = f"{what}: archo-tui {' '.join(command)} tells why"
+        text = f"{what}: archo-tui replay {recording.name} tells why"
         desk.report_failure(Outcome(Code.REFUSED, text))
 
     async def lend() -> None:

@@ -13,7 +13,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, Desk, PanelKey
 from archo_tui.commands.console import Quit
-from archo_tui.handover import CONSOLE_SOCKET, STOP
+from archo_tui.handover import CONSOLE_SOCKET
 from archo_tui.recordings.replay.player import Player, TimelineMark
 from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
@@ -127,8 +127,7 @@ def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Comma
     used = {command.key for command in own}
     acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
     not_sent = (NotSent(c) for c in acting if c.key not in used)
-    console = os.environ.get(CONSOLE_SOCKET, "")
-    stop = StopConsole(int(console)) if console else RefuseStop()
+    stop = StopConsole() if CONSOLE_SOCKET in os.environ else RefuseStop()
     return *own, *not_sent, stop, CopySelection(), QuitReplay(), QuitReplayEverywhere()
 
 
@@ -231,15 +230,11 @@ class RefuseStop(Command):
 class StopConsole(Command):
     """The command of the STOP key in a replay that a console has begun: it stops the robot."""
 
-    id, key, where = "stop", "ctrl+x", EVERYWHERE
+    id, key, where, footer = "stop", "ctrl+x", EVERYWHERE, "STOP"
     help = "STOP the robot of the console that plays this, and go back to it"
 
-    def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor  # Of the socket to the console.
-
     def run(self, desk: Desk) -> None:
-        os.write(self._descriptor, STOP)
-        desk.leave()
+        desk.leave()  # The STOP was sent as it was counted.
 
 
 class CopySelection(Command):

@@ -28,7 +28,6 @@ from textual.timer import Timer, TimerCallback
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.handover import restore_terminal
 from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.safe_text import safe_in_place
@@ -274,9 +273,7 @@ class TerminalApp(App[None]):
             yield
         finally:
             self.terminal.is_lent = False
-            if self._is_ending:
-                restore_terminal(self.settings_before)
-            else:
+            if not self._is_ending:
                 self.terminal.resume_application_mode()
                 self.repaint()
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import socket
+import termios
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from archo_tui.handover import CONSOLE_SOCKET, STOP
 from archo_tui.keyed_app import HELD
 from archo_tui.paths import state_file
+from archo_tui.recordings.replay.station import ConsoleStops
 from tests.support import chosen
 from tests.support.console import LONG
 from tests.support.terminal import Terminal
@@ -19,6 +23,7 @@ from tests.support.terminal import Terminal
 pytestmark = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="the engine plays no part in it: one is enough"
 )
+DEPOT = Path(__file__).parent.parent / "share" / "depot_interfaces"
 CRASHES = """
 from pathlib import Path
 
@@ -85,9 +90,20 @@ def test_q_leads_back_to_the_console(playing: Callable[..., Terminal]) -> None:
 
 def test_stop_is_for_the_robot_and_leads_back(playing: Callable[..., Terminal]) -> None:
     terminal = playing()
+    terminal.write("9")
+    terminal.resize(100, 30)
+    terminal.until(lambda: "^x STOP" in terminal.text)  # Of the live robot.
     terminal.write("\x18")
     terminal.until("STOP: confirmed")
     terminal.until("shelf 7 aborted")
+
+
+def test_a_stop_is_sent_to_the_console_as_it_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    console, its = socket.socketpair()
+    with console, its:
+        monkeypatch.setenv(CONSOLE_SOCKET, str(its.fileno()))
+        ConsoleStops().register()
+        assert console.recv(1) == STOP
 
 
 def test_a_grave_alarm_leads_back(
@@ -156,6 +172,19 @@ def test_one_that_cannot_be_read_leaves_the_screen_whole(listed: Callable[..., T
     terminal.write("\r")
     terminal.until("not played")
     terminal.until(lambda: "6 Events" in terminal.text.partition("no recordings in")[2])
+
+
+def test_a_restart_behind_one_leaves_the_terminal_to_the_next_process(
+    playing: Callable[..., Terminal], here: Path
+) -> None:
+    shutil.copytree(DEPOT, here / "own")
+    terminal = playing("--interfaces", "own")
+    with (here / "own/msg/CellState.msg").open("a") as file:
+        file.write("bool more\n")
+    terminal.until("the console restarts")
+    assert not terminal.settings()[3] & termios.ECHO  # Else ctrl+c would be a signal.
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
 
 
 def _replay_of(terminal: Terminal) -> int:

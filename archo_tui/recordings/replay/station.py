@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
@@ -12,6 +14,7 @@ from rclpy.serialization import deserialize_message
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.handover import CONSOLE_SOCKET, STOP
 from archo_tui.recordings.replay.bag import EncodedMessage
 from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
@@ -132,6 +135,16 @@ NOTHING_STOPPED = "REPLAY: nothing was stopped"
 _NOT_RECORDED = "not in the recording"
 
 
+class ConsoleStops(Stops):
+    """The STOPs that are read by a replay, each of which goes to the console that plays it."""
+
+    def register(self) -> int:
+        """Send a STOP to the console as it is read, whatever keeps the screen from its turn."""
+        with contextlib.suppress(OSError):  # The console has ended.
+            os.write(int(os.environ[CONSOLE_SOCKET]), STOP)
+        return super().register()
+
+
 class RecordedRobot:
     """A stand-in for `Robot` that shows the recorded robot and cannot command it.
 
@@ -141,7 +154,8 @@ class RecordedRobot:
     watching = True
 
     def __init__(self, player: Player, clock: Clock) -> None:
-        self._player, self.file, self.stops = player, player.file, Stops()
+        self._player, self.file = player, player.file
+        self.stops = ConsoleStops() if CONSOLE_SOCKET in os.environ else Stops()
         self._clock = clock
 
     @property
