@@ -128,7 +128,8 @@ def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Comma
     acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
     not_sent = (NotSent(c) for c in acting if c.key not in used)
     stop = StopConsole() if CONSOLE_SOCKET in os.environ else RefuseStop()
-    return *own, *not_sent, stop, CopySelection(), QuitReplay(), QuitReplayEverywhere()
+    # The footer is cut behind the first ones.
+    return stop, *own, *not_sent, CopySelection(), QuitReplay(), QuitReplayEverywhere()
 
 
 class NotSent(Command):
