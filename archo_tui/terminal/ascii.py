@@ -28,7 +28,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("─╌╍┄▔▃▄▀", "-"),
         **dict.fromkeys("━▅▆", "="),
         **dict.fromkeys("▁▂", "_"),
-        **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
+        **dict.fromkeys("│┃╎▌▐▏▕▎‖", "|"),
         "░": ".", "·": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
         **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # They follow a number.
         "▶": ">", "▸": ">", "▾": "v", "←": "<", "→": ">", "↑": "^", "↓": "v",

@@ -127,4 +127,5 @@ def test_everything_has_a_form_in_ascii() -> None:
     for field, closed in ((header, ()), (header, ("header",)), (RANGES, ())):
         text, _ = field_line(field, field_columns([field], 80), closed, ("header",))
         assert "?" not in in_ascii(text)
+    assert in_ascii(" ‖ 1x") == " | 1x"  # `?` says that something is not known.
     assert in_ascii("↑ ↓ Recent goals, ←→ 1 s") == "^ v Recent goals, <> 1 s"
