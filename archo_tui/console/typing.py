@@ -198,26 +198,26 @@ class Input:
     def _keep(self, lines: list[bytes]) -> None:
         """Count each line that is a STOP or calls its service; keep each other line.
 
-        Once too many wait, lines are dropped until half of them are taken.
+        Each STOP is counted before a line that was read with it can be taken. Once too many lines
+        wait, further ones are dropped until half of them are taken.
         """
-        stops = self._stops.count
+        stops, kept = self._stops.count, list[tuple[bytes, int]]()
         for line in lines:
             if is_stop(line) or (b"call" in line and self._stops.is_stop_call(shell_words(line))):
                 stops = self._stops.register()
                 self.unanswered.append(stops)
                 self._on_stop(stops)
             elif line.strip() or line == TOO_LONG or self.is_terminal:  # There, it is an answer.
-                self._keep_line(line, stops)
-
-    def _keep_line(self, line: bytes, stops: int) -> None:
+                kept.append((line, stops))
         with self._lock:
-            is_over = self._size + len(line) > MAX_WAITING or len(self._waiting) >= MAX_LINES
-            if not self._is_full and is_over:
-                self._is_full = True
-                self.overflows += 1
-            if not self._is_full:
-                self._waiting.append((line, stops))
-                self._size += len(line)
+            for line, stops in kept:
+                is_over = self._size + len(line) > MAX_WAITING or len(self._waiting) >= MAX_LINES
+                if not self._is_full and is_over:
+                    self._is_full = True
+                    self.overflows += 1
+                if not self._is_full:
+                    self._waiting.append((line, stops))
+                    self._size += len(line)
 
     def _announce(self) -> None:
         """Have the loop call `on_input`, unless a call is due already."""

@@ -105,6 +105,19 @@ def test_what_only_contains_the_word_is_no_stop(line: bytes) -> None:
     assert not is_stop(line)
 
 
+async def test_no_line_is_handed_out_before_a_stop_that_was_read_with_it_is_counted() -> None:
+    stops, before = Stops(), list[TypedLine | None]()
+    read, write = os.pipe()
+    typed = Input(read, stops, Clock(), lambda: None, lambda _: before.append(typed.take()))
+    os.write(write, b"go 12\nstop\nrelease\n")
+    os.close(write)
+    typed.start()
+    await until(lambda: typed.has_ended and not typed.is_reading)
+    os.close(read)
+    assert before == [None]
+    assert [typed.take(), typed.take()] == [TypedLine("go 12", 0), TypedLine("release", 1)]
+
+
 def test_a_line_of_opened_brackets_is_looked_at_in_no_time() -> None:
     assert not is_stop(b"\x1b[@" * 20_000 + b"nonstop")
 
