@@ -198,24 +198,24 @@ class Plain:
     async def _next_line(self) -> TypedLine | None:
         """Wait for the answers to all STOPs before the next line, and return it; None at the end.
 
-        A command that was typed in place of an answer is returned at once. A slow reader of the
-        output is waited for, 2 s at most.
+        A command that was typed in place of an answer is the next one. A slow reader of the output
+        is waited for, 2 s at most.
         """
-        if self._put_back is not None:
-            line, self._put_back = self._put_back, None
-            return line
+        if self._put_back is None:
+            await self._take_line()
+        if (line := self._put_back) is not None:  # Kept if this is cancelled: `run_when_ready`.
+            up_to = line.stops_before
+            await self._conditions.wait(lambda: self._are_answered(up_to))
+        self._put_back = None
+        return line
+
+    async def _take_line(self) -> None:
         # This wait also lets all other tasks run between two lines, however many are typed. A
         # reader that does not read at all delays one line, not each.
         await self._conditions.wait_at_most(lambda: self._output.has_room, self._patience)
         self._patience = _READER_PATIENCE if self._output.has_room else 0.0
         await self._conditions.wait(lambda: self._input.has_line_or_end)
-        next_line = self._input.take()
-        if next_line is not None:
-            up_to = next_line.stops_before
-            self._put_back = next_line  # None is lost if this is cancelled: `run_when_ready`.
-            await self._conditions.wait(lambda: self._are_answered(up_to))
-            self._put_back = None
-        return next_line
+        self._put_back = self._input.take()
 
     def _are_answered(self, up_to: int) -> bool:
         """Return True if every typed STOP up to a number was answered, or has timed out."""

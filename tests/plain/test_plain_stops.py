@@ -15,6 +15,8 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.session import _robots_nodes
 from tests.robot.test_several_servers import Brake
 from tests.robots.cart import Cart
@@ -24,7 +26,7 @@ from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.robot import making
 from tests.support.script import Script, shell
-from tests.support.states import NORMAL
+from tests.support.states import NORMAL, goal
 from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
 
@@ -111,8 +113,8 @@ async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
 class Slow(StubRobot):
     """Answers when the test says so, and keeps what it was told."""
 
-    def __init__(self) -> None:
-        super().__init__(NORMAL)
+    def __init__(self, snapshot: Snapshot = NORMAL) -> None:
+        super().__init__(snapshot)
         self.told: list[str] = []
         self.answers: list[asyncio.Future[Outcome]] = []
 
@@ -124,6 +126,10 @@ class Slow(StubRobot):
     async def cancel(self, **_: bool) -> Outcome:
         self.told.append("cancel")
         return Outcome(Code.DONE, "cancelling")
+
+    async def command(self, *_: object) -> Outcome:
+        self.told.append("reset")
+        return Outcome(Code.DONE, "Encoder reset to zero")
 
 
 async def test_a_cancel_typed_before_a_stop_still_goes() -> None:
@@ -220,6 +226,25 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
         robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         await until(lambda: robot.told == ["stop", "cancel"])
         await person.end()
+
+
+async def test_a_line_behind_a_stop_waits_for_its_answer_though_it_was_read_for_a_question() -> (
+    None
+):
+    robot: Any = Slow(goal(Phase.MOVING, mine=False))
+    async with typing(stub_station(robot, clock.current), at_terminal=True) as person:
+        person.type("cancel\n")
+        await person.until("Another client sent this goal. Cancel it? [y/N]")
+        person.type("stop\nreset\n")
+        while not person._plain._input._waiting:  # Both are there when the loop goes on.
+            time.sleep(clock.LOOK)
+        await until(lambda: robot.told == ["stop"])
+        robot.put(NORMAL)
+        await person.until("failed: cancel: the goal that was asked about has ended")
+        await Quiet().settle()
+        assert robot.told == ["stop"]
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
+        await until(lambda: robot.told == ["stop", "reset"])
 
 
 @pytest.mark.parametrize("typed", ["stop", "quit\nstop\n", "quit\nstop"])
