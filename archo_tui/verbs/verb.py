@@ -428,7 +428,7 @@ async def run_when_ready(
 
 
 async def _is_agreed(station: Station, question: Question, ask: Ask) -> bool:
-    """Ask, and return True for a yes; False, without an answer, once its goal has ended."""
+    """Ask, and return True for a yes; False once its goal has ended, which waits for no answer."""
     if question.goal is None:
         await ask(question)
         return True
@@ -437,7 +437,7 @@ async def _is_agreed(station: Station, question: Question, ask: Ask) -> bool:
         while not question.is_over(station.robot.snapshot):
             with suppress(TimeoutError):
                 await station.clock.wait_for(asyncio.shield(asking), _GOAL_POLL_PERIOD)
-                return True
+                return not question.is_over(station.robot.snapshot)
         return False
     finally:
         asking.cancel()

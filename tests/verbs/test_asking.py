@@ -123,6 +123,19 @@ async def test_the_goals_of_others_are_cancelled_after_a_question(
         assert robot.told == [done]
 
 
+async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
+    robot = RecordingRobot(goal(Phase.MOVING))
+    running = robot.snapshot.goal
+    assert running is not None
+    behind = running._replace(number=running.number + 1)
+    async with at_terminal(robot) as person:
+        await asked(person, "reset", "Reset encoder now? [y/N]")
+        robot.put(robot.snapshot._replace(goal=behind))
+        person.type("y\n")
+        await person.until("failed: reset: the goal that was asked about has ended")
+        assert robot.told == []
+
+
 async def test_what_a_file_would_change_is_listed_before_the_question(here: Any) -> None:
     (here / "a.yaml").write_text(
         "motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    nosuch: 1\n"
