@@ -13,7 +13,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
-from archo_tui.robot.messages.period import Period, is_silent
+from archo_tui.robot.messages.period import MessageRate, Period, is_silent
+from archo_tui.robot.state.graph import node_states
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
@@ -338,6 +339,21 @@ def test_a_hiccup_at_the_start_is_not_typical() -> None:
     period, silences = lost([0.0, 0.2, 0.4, 3.4, *(3.4 + 0.2 * number for number in range(1, 60))])
     assert silences == []
     assert period.typical == pytest.approx(0.2)
+
+
+def test_a_node_has_the_rate_of_what_it_still_says_and_is_silent_once_it_says_nothing() -> None:
+    fast, slow = (MessageRate(0.0) for _ in range(2))
+    for number in range(1, 201):
+        fast = fast.with_message_at(number / 20)
+    for number in range(1, 21):
+        slow = slow.with_message_at(float(number))
+    (base,) = node_states(["/base"], {}, [("/base", fast), ("/base", slow)]).values()
+    assert (base.heard, base.rate) == (20.0, 1.0)
+    assert (base.is_silent(22.0), base.is_silent(24.0)) == (False, True)
+    (wheel,) = node_states(["/wheel"], {"/wheel": 12.0}, [("/wheel", fast)]).values()
+    assert wheel.heard == 12.0
+    assert wheel.rate == pytest.approx(20.0)
+    assert wheel.is_silent(15.0)
 
 
 async def test_a_console_that_was_suspended_with_its_nodes_has_lost_nobody() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -62,16 +63,17 @@ def node_states(
 ) -> dict[str, NodeState]:
     """Return by name when each node was heard last, and the rate of its most frequent topic.
 
-    `logged` has the times of log lines, `rates` the publisher of each topic and its rate.
+    A topic that is silent while another one of the node goes on does not count. `logged` has the
+    times of log lines, `rates` the publisher of each topic and its rate.
     """
-    found = {name: NodeState(name, logged.get(name)) for name in names}
+    found, by_node = dict[str, NodeState](), defaultdict[str, list[MessageRate]](list)
     for name, rate in rates:
-        if (node := found.get(name)) is not None:
-            heard, hertz = (
-                max(node.heard or 0.0, rate.heard),
-                max(node.rate or 0.0, rate.hertz or 0.0),
-            )
-            found[name] = NodeState(name, heard, hertz or None)
+        by_node[name].append(rate)
+    for name in names:
+        heard = max((rate.heard for rate in by_node[name]), default=0.0)
+        hertz = max((rate.hertz_at(heard) or 0.0 for rate in by_node[name]), default=0.0)
+        last = max(heard, logged.get(name, 0.0))
+        found[name] = NodeState(name, last or None, hertz or None)
     return found
 
 
