@@ -332,9 +332,6 @@ def node_crashed(seen: Situation) -> Found:
 
 # Diagnostics: an error and a warning of one part are two alarms, of which the error counts.
 
-_OF_PARTS: dict[str, Any] = dict.fromkeys(("is_reported", "has_own_topic", "has_text"), True)
-_OF_PARTS |= dict.fromkeys(("delay", "off_delay"), 2.0)
-
 
 @_alarm(
     DIAGNOSTIC_ERROR,

@@ -59,7 +59,7 @@ class Station:
         namespace: str,
         attached: bool,  # The robot lives on without this process.
         on_disconnect: str,  # The policy for a running goal: see shutdown.py.
-        quiet: bool = False,  # New alarms ring no bell and send no notification.
+        quiet: bool = False,  # New alarms ring no bell.
         unseen: str = "",  # The rest of the text of the alarm `NO NODES`; "" for no such alarm.
         file_is_default: bool = False,  # ARCHO's file is used for any robot.
         places: Places | None = None,  # None: those of the robot file.
@@ -70,8 +70,7 @@ class Station:
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
         self._may_offer = attached and file_is_default
-        # The robot to operate after a restart, or "" for this; why a restart waits for a release
-        # and then a key.
+        # Why a restart waits for a release and then a key; "" if none does.
         self.waiting_restart = ""
         # STOPs read when the screen began to end for a restart.
         self.is_restarting, self.stops_before_restart = False, 0
