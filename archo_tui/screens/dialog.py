@@ -360,10 +360,15 @@ class Confirm(Dialog):
             self.action_answer(1)
 
     def action_answer(self, number: int) -> None:
-        """Close the dialog and pass an answer by its place to `on_answer`; a second is ignored."""
+        """Close the dialog and pass an answer by its place to `on_answer`; a second is ignored.
+
+        What acts is no answer any more once `close_if_over` is true.
+        """
         if not self.is_dismissed:
+            is_over = number > 0 and self._close_if_over()
             self.dismiss()
-            self._on_answer(self._answers[number])
+            if not is_over:
+                self._on_answer(self._answers[number])
 
 
 class AskPath(Form):

@@ -1,4 +1,4 @@
-"""A question in a form: the second `enter` is the answer, for what was asked about."""
+"""A question and its answer, which is for what was asked about."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from typing import Any
 
 from archo_tui.commands.base import asking_first
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.verbs.verb import Question
+from archo_tui.robot.state.goal import Phase
+from archo_tui.verbs.verb import GOAL_ENDED, Question
+from tests.support.console import screen_text
+from tests.support.states import NORMAL, goal
+from tests.support.stub import stub_app
 
 
 async def test_an_answer_is_for_the_values_that_were_asked_about_and_not_for_others() -> None:
@@ -25,3 +29,17 @@ async def test_an_answer_is_for_the_values_that_were_asked_about_and_not_for_oth
     now[0] = 2.0
     assert (await ask_or_send({"x": 5})).ok
     assert sent == [{"x": 5}]
+
+
+async def test_a_yes_about_a_goal_that_has_just_ended_is_none() -> None:
+    app, told = stub_app(goal(Phase.MOVING)), list[str]()
+    robot: Any = app.station.robot
+    robot.command = lambda *_: told.append("reset")
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.press("escape", "r")
+        assert "Reset encoder now?" in screen_text(app)
+        robot.snapshot = NORMAL  # Nothing was drawn since.
+        await pilot.press("y")
+        await pilot.pause()
+        assert f"Reset encoder: {GOAL_ENDED}" in screen_text(app)
+        assert told == []
