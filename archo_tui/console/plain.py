@@ -7,7 +7,7 @@ other, by these rules:
 - A line runs only after every STOP before it was answered (`_next_line`), and what it requests is
   not sent if a STOP was read after it (`robot/stop/gate.py`).
 - `cancel` behind a line does not wait for that line's answer once a goal was sent.
-- `echo --follow`, and at a terminal `hz`, `keep` and `wait`, end by the next line.
+- `echo --follow`, and at a terminal every verb that `is_slow`, ends by the next line.
 """
 
 from __future__ import annotations
