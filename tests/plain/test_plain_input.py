@@ -105,7 +105,7 @@ def test_what_only_contains_the_word_is_no_stop(line: bytes) -> None:
     assert not is_stop(line)
 
 
-async def test_no_line_is_handed_out_before_a_stop_that_was_read_with_it_is_counted() -> None:
+async def test_a_stop_is_counted_before_a_line_read_with_it_is_taken() -> None:
     stops, before = Stops(), list[TypedLine | None]()
     read, write = os.pipe()
     typed = Input(read, stops, Clock(), lambda: None, lambda _: before.append(typed.take()))

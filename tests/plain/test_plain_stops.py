@@ -228,9 +228,7 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
         await person.end()
 
 
-async def test_a_line_behind_a_stop_waits_for_its_answer_though_it_was_read_for_a_question() -> (
-    None
-):
+async def test_a_line_read_for_a_question_waits_for_the_stop_before_it() -> None:
     robot: Any = Slow(goal(Phase.MOVING, mine=False))
     async with typing(stub_station(robot, clock.current), at_terminal=True) as person:
         person.type("cancel\n")

@@ -341,7 +341,7 @@ def test_a_hiccup_at_the_start_is_not_typical() -> None:
     assert period.typical == pytest.approx(0.2)
 
 
-def test_a_node_has_the_rate_of_what_it_still_says_and_is_silent_once_it_says_nothing() -> None:
+def test_a_node_has_the_rate_of_what_it_still_says() -> None:
     fast, slow = (MessageRate(0.0) for _ in range(2))
     for number in range(1, 201):
         fast = fast.with_message_at(number / 20)
