@@ -69,6 +69,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             os.execv(sys.executable, command_line(given))
         if sys.stdout is not None:
             sys.stdout.flush()
+        elif not code:  # Python drops what is printed then.
+            complain("what was to be printed is lost: standard output is closed")
+            code = FAILED
     except ArchoError as error:
         complain(str(error))
         return MISUSED

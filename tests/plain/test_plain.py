@@ -194,7 +194,7 @@ def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
         ("archo --plain >&- </dev/null", 2, "--plain needs a standard output, and it is closed"),
         ("echo status | archo --plain >/dev/full", 1, ""),
         ("archo keys >/dev/full", 1, "cannot write to standard output: No space left"),
-        ("archo keys >&-", 0, ""),
+        ("archo keys >&-", 1, "is lost: standard output is closed"),
         ("archo status >&-", 3, "no console runs here"),
         ("archo keys | true", 0, ""),
         ("archo --help >&-", 0, ""),
