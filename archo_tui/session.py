@@ -245,7 +245,7 @@ class Session:
         robot.own_nodes = self.host.names
         robot.unended_nodes = self.host.unended_names
         self._server = self._make_server() if self.options.remote else None
-        self._count_stops_of_gap()
+        self._take_over_stops()
 
     def _make_station(self) -> Station:
         options = self.options
@@ -284,8 +284,11 @@ class Session:
             return f"{text} {name.strip()}"
         return ""
 
-    def _count_stops_of_gap(self) -> None:
-        """Count the STOPs of a restart before a node is made: each carries them out first."""
+    def _take_over_stops(self) -> None:
+        """Count the STOP of a restart, and take over the socket, whose clients may have sent one.
+
+        It is called before a node is made, since each node carries out a counted STOP first.
+        """
         left = self.options.handover
         if left is None:
             return

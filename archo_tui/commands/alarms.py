@@ -32,6 +32,8 @@ class AcknowledgeKey(VerbCommand):
 
 
 class ShowAlarms(Command):
+    """The command that lists the alarms, or shows the request of an assistant if none is urgent."""
+
     id, key, verbs = "alarms", "A", ("alarms", "shelve")
     help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 

@@ -172,13 +172,13 @@ class Desk(TerminalApp):
         if name == "stop":
             number = self.stops.count_when_typed if counted else self.stops.register()
             self.close_questions()
-        work = self._work_of(command)
+        work = self._run_command(command)
         if work is not None:
             self.run_worker(self._await_command(name, work), group=COMMANDS)
         elif name == "stop":
             self.stops.is_not_sent(number)
 
-    def _work_of(self, command: Command) -> Work | None:
+    def _run_command(self, command: Command) -> Work | None:
         """Run a command, and return what is to be awaited, if anything; or show why it cannot."""
         name = command.id
         if command.waits_for_answer and (self.repeated or self._waits(name)):

@@ -113,7 +113,7 @@ class RequestHandler:
 
     def on_answer(self, client: Client, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`."""
-        self.station.post(partial(self._pass_answer, client, answer))
+        self.station.post(partial(self._on_answer, client, answer))
 
     def on_client_left(self, client: Client) -> None:
         """Call off the work that a client waits for.
@@ -181,7 +181,8 @@ class RequestHandler:
         self.publish_clients()
         await session.call_off()
 
-    async def _pass_answer(self, client: Client, answer: dict[str, Any]) -> None:
+    async def _on_answer(self, client: Client, answer: dict[str, Any]) -> None:
+        """Handle an answer to a question, a sign of life (`beat`), or the end of a request."""
         session = self._session_of(client)
         if "beat" in answer:
             session.missed_beats = 0

@@ -93,7 +93,7 @@ class Parts:
         self.clock_offsets = ClockOffsets()
         self.telemetry = Telemetry(
             *(node, file, clock, self._on_reading, self.reporter.warn, self._on_stamp),
-            file.unshown_topics,
+            file.further_topics,
         )
         self.frames = FrameListener(node, clock, self.graph, self._on_transforms)
         self.parameters = Parameters(
@@ -174,7 +174,10 @@ class Parts:
         self.snapshots.is_stale = True  # They are shown in the snapshot of each second.
 
     def _on_log(self, message: Log) -> None:
-        """Add a line on /rosout to the events, unless another robot's, or it comes as a record."""
+        """Add a line on /rosout to the events; goals and clock offsets learn from it.
+
+        Left out are lines of other robots, and of consoles that also send them as audit records.
+        """
         node = logger_node(message.name)
         console, now = author(node), self.clock.now()
         if console:

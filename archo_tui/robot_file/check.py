@@ -36,7 +36,7 @@ def find_faults(robot: RobotFile) -> Faults:
     """Yield each fault of a robot file as the entry's place (`FILE:LINE`, or "") and a sentence."""
     yield from _name_faults(robot)
     yield from _type_faults(robot)
-    yield from _title_faults(robot)
+    yield from _empty_title_faults(robot)
     yield from _word_faults(robot)
     yield from _reading_faults(robot)
     yield from _gauge_faults(robot)
@@ -112,7 +112,7 @@ def _type_faults(robot: RobotFile) -> Faults:
             yield where, f"{kind!r} is not a type: expected package/{of}/Name"
 
 
-def _title_faults(robot: RobotFile) -> Faults:
+def _empty_title_faults(robot: RobotFile) -> Faults:
     titles = [(goal.where, goal.title) for goal in robot.goals]
     titles += [(command.where, command.title) for command in robot.commands]
     titles += [(gauge.where, gauge.title) for gauge in robot.gauges]

@@ -358,8 +358,8 @@ class RobotFile:
         return tuple(dict.fromkeys([*named, *filter(None, [self.diagnostics])]))
 
     @property
-    def unshown_topics(self) -> tuple[str, ...]:
-        """The names of further topics that the console receives: of `record`, or with a rate."""
+    def further_topics(self) -> tuple[str, ...]:
+        """The names of all topics of `record`, and of those with a rate that are not shown."""
         rated = [rule.topic for rule in self.topics if rule.rate is not None]
         named = dict.fromkeys([*self.record, *rated])
         return tuple(name for name in named if name not in self.shown_topics or name in self.record)

@@ -385,7 +385,7 @@ def _is_initial_pose(sighting: Sighting) -> bool:
 
 
 def _topic_rules(sighting: Sighting) -> Iterator[Entry]:
-    """Yield that a message to a topic asks no question; whether a text moves, a person decides."""
+    """Yield a rule by which `pub` asks nothing; for a topic of texts a person has to confirm it."""
     rule = TopicRule(sighting.name, moves=False)
     listens = f"{sighting.name} is a {sighting.types[0]}, and `pub` asks nothing before it:"
     if _is_initial_pose(sighting):

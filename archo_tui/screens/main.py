@@ -437,7 +437,7 @@ class MainScreen(Base):
         return self._view is not None and bars.is_banner_needed(self._view)
 
     def _show_hints(self, view: ScreenState, commands: list[FooterKey], header: Content) -> None:
-        """Show banner and footer, whose keys are others in a field."""
+        """Show banner, notices and footer, and keep the lines at the top for dialogs."""
         banner = bars.banner(view, self.size.width)
         self._banner.show(banner)
         self.head = [header, banner]

@@ -183,7 +183,7 @@ class Approvals:
         """Carry out what a person has decided, with an event; an allowed goal is sent at once.
 
         DONE does not tell whether the robot accepts the goal. A request that cannot be allowed now
-        waits on, unless it is outdated. Allowing empties the requester's `ends` first.
+        waits on, unless it is outdated.
         """
         self._refresh()
         request = self._all.get(number)

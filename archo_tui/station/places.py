@@ -97,7 +97,7 @@ class Places:
     def read_again(self) -> None:
         """Read the user's file, which another console may have written; ArchoError."""
         if self.path is not None:
-            self._take(self._read(self.path).get(self._robot.name))
+            self._replace_all(self._read(self.path).get(self._robot.name))
 
     def _write(
         self, own: Mapping[str, Place], all_lists: Mapping[str, Sequence[tuple[str, Any]]]
@@ -134,7 +134,7 @@ class Places:
             raise ArchoError(f"{path}: {_SHAPE}")
         return found
 
-    def _take(self, part: Any) -> None:
+    def _replace_all(self, part: Any) -> None:
         def goal_of(given: Any) -> tuple[str, dict[str, Any]]:
             goal, values = given["goal"], given["values"]
             if goal in self._kinds and values.keys() != self._kinds[goal].form.keys():

@@ -42,7 +42,7 @@ def with_short_types(text: str) -> str:
 
 
 def fault_text(fault: str, width: int) -> str:
-    """Return why a topic is not used in `width` cells: at last `wrong type: String`."""
+    """Return why a topic is not used; as short as `wrong type: String` if `width` is small."""
     short = with_short_types(fault)
     found = re.match(r"\S+ is (\w+):", short)
     texts = fault, short, f"wrong type: {found[1]}" if found else short

@@ -176,7 +176,7 @@ def kill_marked(mark: str) -> list[int]:
     Daemons, which leave the group, have it, too. Only Linux tells the environment of a process.
     """
     end = time.monotonic() + _KILL_TIME
-    while (found := _marked(mark)) and time.monotonic() < end:
+    while (found := _marked_processes(mark)) and time.monotonic() < end:
         for process in found:
             with contextlib.suppress(OSError):
                 os.kill(process, signal.SIGKILL)
@@ -184,7 +184,7 @@ def kill_marked(mark: str) -> list[int]:
     return found
 
 
-def _marked(mark: str) -> list[int]:
+def _marked_processes(mark: str) -> list[int]:
     found, variable = [], f"{MARK}={mark}".encode()
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):  # It has ended, or belongs to another user.

@@ -22,10 +22,10 @@ class InterfacePackages(NamedTuple):
 
 
 def find(folders: Iterable[Path], engine_name: str) -> InterfacePackages:
-    """Find the packages in folders, of one name the last, and read their interfaces.
+    """Find the interface packages in folders; of several with one name the last counts.
 
-    A package with a mistake is found, too: importing that interface raises. ArchoError if a folder
-    has no package without one, or on ROS 2, where packages have to be built.
+    A package with a mistake gets a warning. ArchoError if all packages of a folder have one, if it
+    has none, or on ROS 2, where packages have to be built.
     """
     packages: dict[str, Path] = {}
     warnings: dict[str, None] = {}

@@ -86,7 +86,7 @@ class Probe:
         return f"{where}: {class_name}.__init__ {does}{line}"
 
     def _described(self, node: Node) -> dict[str, Any]:
-        """Return what a node has by name, without what every node has, and its numbers."""
+        """Return a node's interfaces and parameters, but those of every node, and its numbers."""
         actions = get_action_server_names_and_types_by_node(
             node, node.get_name(), node.get_namespace()
         )

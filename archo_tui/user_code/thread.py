@@ -158,7 +158,6 @@ class ProgramThread(HostedProgram):
     thread_class = _MainThread
 
     def __init__(self, program: Program, callbacks: Callbacks, is_held: bool = False) -> None:
-        """Create the hosted program, as `HostedProgram`."""
         super().__init__(program, callbacks, is_held)
         self._process = _Process(self)
         self._serves_read = 0.0

@@ -257,7 +257,7 @@ class ContinueQueue(Verb):
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while a release has no answer, or the waiting goals may be held soon."""
+        """Return False while a release has no answer, or a goal ends, which may hold the queue."""
         if station.is_releasing:
             return False
         goal = station.robot.snapshot.goal

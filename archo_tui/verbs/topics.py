@@ -101,7 +101,7 @@ class _TopicVerb(Verb):
 
     @asynccontextmanager
     async def inspect(self, station: Station, values: Values) -> AsyncIterator[Inspection]:
-        """Subscribe to a topic inside the block, whose value counts the messages; or ArchoError."""
+        """Subscribe to a topic for the block, and yield the count of its messages; ArchoError."""
         try:
             async with station.robot.inspect(values["topic"], values["class"]) as inspection:
                 yield inspection
@@ -353,7 +353,7 @@ class Publish(Verb):
         return {**given, "rate": rate, "times": times}
 
     def is_found(self, station: Station, values: Values) -> bool:
-        """Return False while subscribers of a topic whose type was typed may still come."""
+        """Return False while the topic is not on the graph and may still come."""
         if not station.attached or station.age >= ROBOT_TIMEOUT:
             return True
         found = [*topic_names(station, ())]

@@ -99,8 +99,8 @@ def banner(view: ScreenState, width: int) -> Content:
     """Return the most important alarm with its advice, and how many others there are.
 
     An assistant's request takes its place, unless an alarm of high priority is active and
-    unacknowledged. An active unacknowledged alarm is
-    reversed over the whole width, but not in a replay.
+    unacknowledged. An active unacknowledged alarm is reversed over the whole width, but not in a
+    replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
     if view.requests and not any_urgent(view.alarms):  # Alarms of high priority come first.

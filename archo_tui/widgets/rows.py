@@ -205,7 +205,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         return Strip([Segment(text, drawn)]).crop_extend(0, width, base)
 
     def action_press(self, key: str) -> None:
-        """Move the cursor by one of KEYS and show it; `down` first shows it where it is."""
+        """Move the cursor by one of KEYS; the first `down` only shows it where it is."""
         page, count = max(self.size.height - 1, 1), len(self._items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
         way = by.get(key, -count if key.endswith("home") else count)

@@ -284,10 +284,10 @@ def test_a_goal_that_returns_keeps_its_turn_and_a_stop_since_then_cancels_it() -
     assert gone.is_back(NOW + 1.0, is_served=True)
     assert not gone.is_back(NOW + 0.9, is_served=True)
     assert not gone.is_back(NOW + 9.0, is_served=False)
-    again = gone.again(back, is_void=True)
+    again = gone.found_again(back, is_void=True)
     assert (again.turn, again.goal.mine, again.goal.name) == (5, True, "shelf 3")
     assert again.todo == (GoalEffect.ASK, GoalEffect.CANCEL)
-    assert gone.again(back, is_void=False).todo == (GoalEffect.ASK,)
+    assert gone.found_again(back, is_void=False).todo == (GoalEffect.ASK,)
 
 
 def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None:

@@ -268,7 +268,7 @@ def test_the_cancel_of_a_found_goal_counts_from_when_it_was_found() -> None:
 
 def test_a_goal_that_returns_was_underway_when_it_was_seen_again() -> None:
     back = found(SHELF, Phase.MOVING, 0.0, NOW + 9.0, 90, 2, is_first=False)
-    assert accepted().node_left(NOW).again(back, is_void=False).goal.is_found
+    assert accepted().node_left(NOW).found_again(back, is_void=False).goal.is_found
 
 
 def test_a_goal_as_old_as_the_watch_over_its_action_is_news() -> None:

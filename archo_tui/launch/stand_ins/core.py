@@ -32,7 +32,7 @@ _elements: list[Place] = []  # Of an XML or YAML file, each within the one befor
 
 @contextmanager
 def at(place: Place) -> Iterator[None]:
-    """Have what is made inside this context made in the line of an element."""
+    """Give all actions and substitutions that are made in this context the line of an element."""
     _elements.append(place)
     try:
         yield

@@ -337,6 +337,7 @@ class _Scan:
             self._listed += min(size, length) // _MESSAGE_INDEX_ENTRY
 
     def _on_attachment(self, length: int) -> None:
+        """Add the attachment with the robot file to the index; others are not read."""
         name = self._file.read(min(length, _NAME_END))
         if name[16:] != len(_ROBOT).to_bytes(4, "little") + _ROBOT.encode():
             return

@@ -490,7 +490,7 @@ class Goals:
         text = f"another client sent a goal to {action.kind.action}"
         if gone is not None:
             record.gate = gone.gate
-            state = gone.state.again(state, is_void=record.is_void)
+            state = gone.state.found_again(state, is_void=record.is_void)
             text = f"{state.goal.name} was not lost: its node is heard again"
         self._add(record, state)
         self._note("GOAL", text)

@@ -361,7 +361,7 @@ class TrackedGoal(NamedTuple):
         """
         return is_served and now - (self.goal.ended or now) >= NOBODY_SERVES
 
-    def again(self, found: TrackedGoal, *, is_void: bool) -> TrackedGoal:
+    def found_again(self, found: TrackedGoal, *, is_void: bool) -> TrackedGoal:
         """Return a GONE goal that was found again, with what a STOP or a cancel meant for it."""
         before = self.goal
         goal = found.goal._replace(fields=before.fields, mine=before.mine, is_found=True)

@@ -48,9 +48,9 @@ class Period(NamedTuple):
     pause: _Silence | None = None  # The last one, if silences are typical.
 
     def measured_again(self, old: object, new: object) -> Period:
-        """Return an unmeasured period in which the present one holds until it is measured again.
+        """Return a period to be measured anew, since a parameter has changed from `old` to `new`.
 
-        For use when a parameter has changed.
+        Until then the present one holds, or a longer `new` if `old` was about the present one.
         """
         seconds = self.typical or self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
@@ -159,7 +159,10 @@ def is_number(value: object) -> TypeGuard[float]:
 def is_silent(
     received: float | None, period: float | None, now: float, grace: float | None
 ) -> bool:
-    """Return True if no message came for three periods, at least 2.5 s."""
+    """Return True if no message came for three periods, at least 2.5 s, since the last one.
+
+    While the period is not known, for `grace` seconds; None: then nothing counts as silence.
+    """
     if received is None:
         return False
     longest = grace if period is None else max(3 * period, LEAST_SILENCE)

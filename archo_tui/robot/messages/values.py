@@ -139,7 +139,7 @@ def _message(kind: str, value: Any, where: str) -> Any:
 
 
 def _single(kind: str, value: Any) -> Any:
-    """Return a value for a field that is no array and no message, or raise what is allowed."""
+    """Return a value for a field that is no array and no message; ValueError if it does not fit."""
     text = STRING.fullmatch(kind)
     if text is not None:
         if kind[0] == "w" and isinstance(value, str) and value.startswith(_MARKS):

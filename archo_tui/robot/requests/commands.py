@@ -296,10 +296,8 @@ async def call_named(
 ) -> Outcome:
     """Call a service of the robot file with the type of its server, if the request fits it.
 
-    `late` gets the outcome of an answer that comes after 2 s. ROS thread only.
-
-    Raises:
-        Void: A STOP was read in the meantime.
+    `late` gets the outcome of an answer that comes after 2 s. ROS thread only; raises Void behind
+    a STOP.
     """
     if name not in robot.graph.offered:
         return Outcome(Code.NOT_OFFERED, not_offered(robot.checks.full(name)))

@@ -485,7 +485,7 @@ class Stop(NamedTuple):
         return after._cancel_before(turn, now)
 
     def _cancel_before(self, turn: int, now: float) -> Stop:
-        """Have goals from before a STOP cancelled CANCEL_AFTER, or when others are due before."""
+        """Have the goals from before a STOP cancelled in CANCEL_AFTER, or with older ones."""
         if self.cancels is None:
             return self._replace(cancels=(turn, now + CANCEL_AFTER))
         known, due = self.cancels

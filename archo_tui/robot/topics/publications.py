@@ -152,7 +152,7 @@ class Publications:
         return matched, len(ends) - matched
 
     def end(self, publication: Publication, why: str) -> None:
-        """End one, unless it is over; a speed is followed by no speed if it is ended early."""
+        """End a publication, unless it is over; one of velocities is ended early by a zero one."""
         if publication.is_over:
             return
         publication.is_over, publication.ended = True, why

@@ -97,6 +97,7 @@ def _check_default(plan: LaunchPlan) -> None:
 
 
 def _check_simulation(given: str, plan: LaunchPlan) -> None:
+    """Check that `use_sim:=true` starts the drain of the battery."""
     if not any(argument.name == "use_sim" for argument in plan.arguments):
         raise Skipped("use_sim is not declared")
     simulated = _evaluate(given, {"use_sim": "true"})

@@ -169,7 +169,7 @@ def _first_warning(
 def _missing_warning_hint(
     checker: Checker, nodes: Sequence[CheckedNode], logs: int, lines: int
 ) -> str:
-    """Return what was done in place of a warning, from an index in the logs and the lines on."""
+    """Return what nodes did in place of a warning, since so many `logs` and printed `lines`."""
     warn = "self.get_logger().warning(...)"
     told = [(log.msg, "logged as information") for log in checker.logs_of(nodes, logs)]
     told += [(line, "printed") for line in checker.printed[lines:]]
