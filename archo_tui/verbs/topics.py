@@ -110,7 +110,7 @@ class _TopicVerb(Verb):
 
 
 class Echo(_TopicVerb):
-    """The verb `echo`: show the last message of a topic, or some of its fields.
+    """The verb `echo`: show the next message of a topic, or some of its fields.
 
     With `--follow` it shows each new message, until it is cancelled. If none comes within WAIT
     seconds, the outcome is TIMEOUT, or NOT_OFFERED without a publisher. A message too large for a
@@ -118,7 +118,7 @@ class Echo(_TopicVerb):
     """
 
     id, title = "echo", "Echo"
-    help = f"Show the last message of a topic, or fields of it; waits {WAIT:g} s for one"
+    help = f"Show the next message of a topic, or fields of it; waits {WAIT:g} s for one"
     arguments = (
         Argument("topic", completer=topic_names),
         Argument("field", many=True, optional=True),

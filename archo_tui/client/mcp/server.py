@@ -247,7 +247,7 @@ class Tools:
         topic: _text("its name, as /battery_level"),  # type: ignore[valid-type]
         field: _text("only this field, as pose.position.x") = "",  # type: ignore[valid-type]
     ) -> CallToolResult:
-        """The last message of any topic on the graph, or the one that comes within 5 s: field by
+        """The next message of any topic on the graph, if one comes within 5 s: field by
         field, without units (see `interface`). Its `age` is not known: a message that is kept may
         be old. Long arrays are described by their type, least and greatest value.
         """
