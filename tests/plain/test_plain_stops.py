@@ -230,7 +230,7 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
 
 async def test_a_line_read_for_a_question_waits_for_the_stop_before_it() -> None:
     robot: Any = Slow(goal(Phase.MOVING, mine=False))
-    async with typing(stub_station(robot, clock.current), at_terminal=True) as person:
+    async with typing(stub_station(robot, clock.current or Clock()), at_terminal=True) as person:
         person.type("cancel\n")
         await person.until("Another client sent this goal. Cancel it? [y/N]")
         person.type("stop\nreset\n")

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
@@ -39,7 +40,7 @@ class RecordingRobot(StubRobot):
 
 def at_terminal(robot: Any) -> Any:
     """A person at a terminal."""
-    return typing(stub_station(robot, clock.current), at_terminal=True)
+    return typing(stub_station(robot, clock.current or Clock()), at_terminal=True)
 
 
 async def asked(person: Typed, line: str, question: str) -> None:
