@@ -23,8 +23,6 @@ from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.dialog import ListDialog
-from archo_tui.station.alarms import AlarmState
-from archo_tui.station.conditions import Priority
 from archo_tui.system import command_line
 from archo_tui.terminal.app import start_worker
 from archo_tui.text.columns import Columns, Text, crop
@@ -131,11 +129,7 @@ async def play(desk: Desk, recording: Recording) -> None:
 
 def grave_alarms(desk: Desk) -> set[tuple[str, float]]:
     """Return the unacknowledged alarms of high priority, each with its name and begin."""
-    return {
-        (alarm.name, alarm.since)
-        for alarm in desk.station.view.alarms
-        if alarm.priority is Priority.HIGH and alarm.state is AlarmState.UNACKNOWLEDGED
-    }
+    return {(alarm.name, alarm.since) for alarm in desk.station.view.alarms if alarm.is_urgent}
 
 
 class RecordingList(ListDialog[Recording]):

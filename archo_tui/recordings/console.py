@@ -37,8 +37,7 @@ from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot_file.load import dump
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.station.conditions import Priority
+from archo_tui.station.alarms import Alarm
 from archo_tui.station.view import View
 
 JOURNAL, STATE = "/archo_tui/journal", "/archo_tui/state"
@@ -150,7 +149,7 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
 
 def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
     for alarm in changed:
-        if alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED:
+        if alarm.is_urgent:
             yield alarm.name
 
 

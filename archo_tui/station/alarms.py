@@ -85,6 +85,11 @@ class Alarm(NamedTuple):
         return self.state not in (AlarmState.UNACKNOWLEDGED, AlarmState.RETURNED)
 
     @property
+    def is_urgent(self) -> bool:
+        """True if it is of high priority, unacknowledged, and its condition holds."""
+        return self.priority is Priority.HIGH and self.state is AlarmState.UNACKNOWLEDGED
+
+    @property
     def rank(self) -> tuple[bool, bool, bool, int]:
         """The key to sort alarms by: what needs attention first comes first, shelved ones last."""
         shelved = self.state == AlarmState.SHELVED
@@ -93,10 +98,7 @@ class Alarm(NamedTuple):
 
 def any_urgent(alarms: Iterable[Alarm]) -> bool:
     """Return True if an alarm of high priority is unacknowledged and its condition holds."""
-    return any(
-        alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED
-        for alarm in alarms
-    )
+    return any(alarm.is_urgent for alarm in alarms)
 
 
 def is_diagnostic(alarm: Alarm) -> bool:
@@ -337,9 +339,7 @@ class AlarmBell:
         new = {
             key: alarm
             for key, alarm in on_board.items()
-            if alarm.priority == Priority.HIGH
-            and alarm.state == AlarmState.UNACKNOWLEDGED
-            and key not in self._rung
+            if alarm.is_urgent and key not in self._rung
         }
         self._rung |= new.keys()
         return list(new.values())
