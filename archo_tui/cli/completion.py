@@ -21,7 +21,6 @@ from archo_tui.cli.options import (
 )
 from archo_tui.cli.verb import verbs_of_file
 from archo_tui.client import find
-from archo_tui.client.connection import Unreached
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES
 
@@ -150,7 +149,7 @@ _PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
 
 def print_candidates(words: Sequence[str]) -> int:
     """Print the words that may follow, except those that a shell interprets, and return 0."""
-    with contextlib.suppress(argparse.ArgumentError, Unreached, ArchoError, OSError, ValueError):
+    with contextlib.suppress(argparse.ArgumentError, ArchoError, OSError, ValueError):
         for word in _candidates(words):
             if _PLAIN_WORD.fullmatch(word):
                 sys.stdout.write(f"{word}\n")
@@ -170,8 +169,6 @@ def _candidates(words: Sequence[str]) -> Iterable[str]:
         parser.add_argument(flag, action="store_true")
     options, line = parser.parse_known_args(before)
     selection = {"to": options.to or options.namespace, "engine": options.engine}
-    with contextlib.closing(find.choose(selection, _TIMEOUT)) as console:
-        for said in console.request(_TIMEOUT, complete=[*line, unfinished]):
-            if isinstance(said.get("data"), list):
-                return [word for word in said["data"] if isinstance(word, str)]
-    return ()
+    with find.choose(selection, _TIMEOUT) as console:
+        found = console.answer(_TIMEOUT, complete=[*line, unfinished]).get("data")
+    return [word for word in found if isinstance(word, str)] if isinstance(found, list) else ()

@@ -10,7 +10,8 @@ from collections.abc import Callable, Coroutine, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
-from archo_tui.client.connection import Connection, Unreached
+from archo_tui.client.connection import Connection
+from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import PROTOCOL
 from archo_tui.console.session import RequestHandler
 from archo_tui.console.socket import Server

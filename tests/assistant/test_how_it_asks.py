@@ -135,7 +135,7 @@ async def test_stop_waits_for_nothing_that_is_in_flight() -> None:
         assert not waits.done()
         assert not looks.done()
         assert console.words() == [["wait", "request", "3"], ["stop"]]
-        assert console.connections == 1
+        assert console.connections == 2
         console.drop()
         assert (await waits).failed
         assert "news" in (await looks).data  # on another connection: its turn had not come
