@@ -18,6 +18,7 @@ from archo_tui.cli.options import (
     COMPLETE,
     SUBCOMMANDS,
     OneLineErrorParser,
+    add_subcommand_arguments,
     console_parser,
     split_line,
     split_ros_args,
@@ -121,14 +122,14 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         stop = command if is_stop_text(name) else words[at:]
         return send_stop(stop, words[:at], str(error), parser)
     if not name:
-        options.program_arguments = arguments
+        options.arguments = arguments
         return run_console(options, ros_args)
     _check_unused(ros_args, command)
     if name not in SUBCOMMANDS:
         return send_verb(command, options)
-    what, add_options = SUBCOMMANDS[name]
+    what, _ = SUBCOMMANDS[name]
     subparser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
-    add_options(subparser)
+    add_subcommand_arguments(subparser, name)
     # Some of the console's options are the subcommand's too.
     return _RUN[name](subparser.parse_intermixed_args([*of_console, *command[1:]]))
 

@@ -17,6 +17,7 @@ from archo_tui.cli.options import (
     ENGINES,
     SUBCOMMANDS,
     OneLineErrorParser,
+    add_subcommand_arguments,
     console_parser,
 )
 from archo_tui.cli.verb import verbs_of_file
@@ -81,9 +82,9 @@ def completion_script(shell: str) -> str:
     parser = console_parser()
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
     _add_completers(parser)
-    for name, (what, add_options) in SUBCOMMANDS.items():
+    for name, (what, _) in SUBCOMMANDS.items():
         subparser = commands.add_parser(name, help=what, description=what)
-        add_options(subparser)
+        add_subcommand_arguments(subparser, name)
         _add_completers(subparser)
     for name, verb in verbs_of_file().items():
         subparser = commands.add_parser(name, help=verb.help, description=verb.help)
