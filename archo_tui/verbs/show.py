@@ -173,14 +173,10 @@ class ShowDiagnostics(Verb):
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         found = diagnostics_worst_first(snapshot, now)
         lines = [diagnostic_line(status, now) for status in found]
+        names = "name", "hardware_id", "message"
         data = [
-            {
-                "name": status.name,
-                "hardware_id": status.hardware_id,
-                "level": status.level.value,
-                "message": status.message,
-                "age": now - status.received,  # In s.
-            }
+            {name: getattr(status, name) for name in names}
+            | {"level": status.level.value, "age": now - status.received}  # In s.
             for status in found
         ]
         return Report.of("\n".join(lines) or no_diagnostics_text(snapshot), data)
