@@ -177,7 +177,7 @@ def parse_command(words: list[str]) -> None:
         add_subcommand_arguments(made, name)
         made.parse_intermixed_args(rest)
     elif name and name not in ("VERB", "COMMAND"):
-        parse_verb(verbs_from_shells._CommandLine([name, *rest]).rest)
+        parse_verb(verbs_from_shells.CommandLine([name, *rest]).rest)
 
 
 def parse_verb(words: list[str]) -> None:

@@ -43,7 +43,7 @@ _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _SIGNALS = signal.SIGINT, signal.SIGTERM
 
 
-class _CommandLine:
+class CommandLine:
     """The words of a verb, with the options of this program taken out."""
 
     def __init__(self, words: Sequence[str]) -> None:
@@ -114,7 +114,7 @@ def run(
         _print(helps().get("stop", ""))
         return 0
     try:
-        line = _CommandLine(words)
+        line = CommandLine(words)
         to = line.values.get("--to") or (meant or {}).get("to")
         selection = {**(meant or {}), **({"to": to} if to else {})}
         # If a console is named, no other one and no other robot is meant.
@@ -200,7 +200,7 @@ def print_consoles(*, as_json: bool) -> int:
 
 def _stop(
     selection: Mapping[str, Any],
-    line: _CommandLine,
+    line: CommandLine,
     attach: Callable[[], AbstractContextManager[Connection]] | None,
 ) -> int:
     """Send STOP to every console that could be meant or to the robot, and return the worst code."""
@@ -234,7 +234,7 @@ def _stop(
 
 def _send(
     console: Connection,
-    line: _CommandLine,
+    line: CommandLine,
     others: Iterable[str] = (),
     attach: Callable[[], AbstractContextManager[Connection]] | None = None,
 ) -> int:
@@ -264,7 +264,7 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
     raise _Interrupted
 
 
-def _give_up(console: Connection, line: _CommandLine) -> int:
+def _give_up(console: Connection, line: CommandLine) -> int:
     """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
     try:
         console.give_up()
@@ -278,7 +278,7 @@ def _give_up(console: Connection, line: _CommandLine) -> int:
     return INTERRUPTED
 
 
-def _print_reply(console: Connection, reply: dict[str, Any], line: _CommandLine) -> None:
+def _print_reply(console: Connection, reply: dict[str, Any], line: CommandLine) -> None:
     """Print what comes before the result; a question is put to the person at the terminal."""
     if "ask" in reply:
         answer = _ask_person(console, f"{reply['ask']} [y/N] ")
@@ -297,7 +297,7 @@ def _print_reply(console: Connection, reply: dict[str, Any], line: _CommandLine)
         complain(reply["said"], prefix="")
 
 
-def _print_result(result: dict[str, Any], line: _CommandLine, others: Iterable[str] = ()) -> int:
+def _print_result(result: dict[str, Any], line: CommandLine, others: Iterable[str] = ()) -> int:
     """Print a result, and return its exit code; only answers go to standard output."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
