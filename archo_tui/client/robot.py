@@ -6,6 +6,7 @@ Each call has a connection of its own; when it closes, the console calls off wha
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import threading
@@ -43,8 +44,7 @@ class GoalHandle:
 
     def __init__(self, console: Connection, replies: Iterator[dict[str, Any]]) -> None:
         self._console, self._replies = console, replies
-        self._is_answered, self._has_ended = threading.Event(), threading.Event()
-        self._is_accepted = False
+        self._has_ended = threading.Event()
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
         self._state: Goal | None = None
         threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
@@ -112,16 +112,9 @@ class GoalHandle:
     def _leave_to_parent(self) -> None:
         """End the handle in a forked child, which has no thread that reads replies."""
         self._result = {"code": "lost", "text": PARENTS_GOAL}
-        # New events: a thread of the parent, which the child lacks, may hold the old ones' locks.
-        self._is_answered, self._has_ended = threading.Event(), threading.Event()
-        self._is_answered.set()
+        # A new event: a thread of the parent, which the child lacks, may hold the old one's lock.
+        self._has_ended = threading.Event()
         self._has_ended.set()
-
-    def _wait_until_accepted(self) -> None:
-        """Wait until the robot has accepted the goal, or the console has queued it."""
-        self._is_answered.wait()
-        if not self._is_accepted:
-            data_or_raise(self._result)
 
     def _read_replies(self) -> None:
         try:
@@ -132,14 +125,10 @@ class GoalHandle:
                     self._result = reply
                     if reply.get("data"):
                         self._state = from_reply(Goal, reply["data"])
-                elif "said" in reply:
-                    self._is_accepted = True
-                    self._is_answered.set()
         except NotDone as error:
             self._result = {"code": error.code, "text": str(error)}
         finally:
             self._has_ended.set()
-            self._is_answered.set()
             self._console.close()
 
 
@@ -258,10 +247,12 @@ class Robot:
         seconds, console = checked_timeout(timeout), self._connect()
         try:
             replies = console.request(seconds, words=words, wait=True, feedback=True)
-            handle = GoalHandle(console, replies)
+            answer = next(replies)  # `said` once it is accepted or queued, else the result.
+            if "code" in answer:
+                data_or_raise(answer)
+            handle = GoalHandle(console, itertools.chain([answer], replies))
             with self._lock:
                 self._handles = [handle for handle in self._handles if not handle.done()] + [handle]
-            handle._wait_until_accepted()
         except BaseException:
             console.give_up()
             console.shut_down()

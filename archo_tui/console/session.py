@@ -59,7 +59,7 @@ class Client(Protocol):
 
     @property
     def requester(self) -> Requester | None:
-        """The one on whose behalf the client acts; None: it acts for itself."""
+        """The one on whose behalf the client acts; None: a program, which acts for itself."""
 
     @property
     def ask(self) -> Callable[[Question], Awaitable[None]] | None:
@@ -74,10 +74,6 @@ class Client(Protocol):
     @property
     def is_behind(self) -> bool:
         """True while the client has not read all replies."""
-
-    @property
-    def is_process_apart(self) -> bool:
-        """True if it may be suspended while the console goes on."""
 
 
 class RequestHandler:
@@ -371,7 +367,7 @@ class Session:
         by_reply = partial(self._ask, number, request.get("person") is True)
         ask = None if yes else self._client.ask or by_reply
         requester = self.requester
-        beats = verb.lasts and self._client.is_process_apart
+        beats = verb.lasts and requester is not YOU  # A program may be suspended.
         watch = asyncio.ensure_future(self._end_without_beats(number)) if beats else None
         try:
             outcome = await run_when_ready(station, verb, values, ask)
