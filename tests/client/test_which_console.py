@@ -480,12 +480,9 @@ async def test_the_card_of_a_console_is_its_hello() -> None:
 
 @contextmanager
 def begun(*words: str) -> Iterator[Script]:
-    script = Script(*words, *SLOW, fresh=True)  # it may be suspended
-    try:
+    with Script(*words, *SLOW, fresh=True) as script:  # it may be suspended
         script.ready()
         yield script
-    finally:
-        script.close()
 
 
 @pytest.fixture
