@@ -18,7 +18,7 @@ from archo_tui.verbs.verb import prepare_when_found
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
 from tests.support.ros import begin
-from tests.support.shells import heard, raw, served, typed
+from tests.support.shells import heard, served, typed
 from tests.support.shells import until as until_beside
 
 TALKERS: list[Talker] = []
@@ -141,21 +141,6 @@ async def test_a_program_iterates_over_messages() -> None:
         assert errors == ["no topic /nosuch is on the graph"]
         await until_beside(lambda: not (listens("/fast") or listens("/slow")))
         await heard(person, "")
-        await person.end()
-
-
-@pytest.mark.real_time
-async def test_the_subscription_ends_with_its_shell() -> None:
-    async with served(Talker) as person:
-        program = await raw()
-        program.send({"id": 1, "words": ["echo", "fast"], "follow": True})
-        told = await program.line()
-        while "message" not in told:
-            told = await program.line()
-        assert told["left_out"] >= 0
-        assert listens("/fast")
-        program.close()
-        await until_beside(lambda: not listens("/fast"))
         await person.end()
 
 
