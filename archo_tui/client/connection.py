@@ -215,15 +215,14 @@ class Connection:
             self.close()  # An iterator over events was never begun.
 
 
-def reach(path: str, hello_timeout: float | None = None) -> Connection:
+def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:
     """Return a connection to a socket's console after its hello; raise Unreached."""
     console = Connection(path)
     try:
         is_connected = console.connect()
     except OSError:
         raise Unreached(GONE) from None
-    timeout = HELLO_TIMEOUT if hello_timeout is None else hello_timeout
-    fault = console.fault(timeout) if is_connected else UNCONFIRMED
+    fault = console.fault(hello_timeout) if is_connected else UNCONFIRMED
     if fault:
         console.close()
         raise Unreached(fault)

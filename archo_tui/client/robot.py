@@ -13,7 +13,6 @@ import threading
 import time
 import weakref
 from collections.abc import Iterator, Mapping
-from types import TracebackType
 from typing import Any
 
 from archo_tui.client import find
@@ -159,12 +158,7 @@ class Robot:
     def __enter__(self) -> Robot:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -45,18 +45,28 @@ class ConsoleConnection:
         self, answer_timeout: float = ANSWER_TIMEOUT, **fields: Any
     ) -> dict[str, Any]:
         """Send a request after those before it, and return its result, or raise Unreached."""
-        return await in_daemon(self._request, answer_timeout, fields)
+        news: list[str] = []
+        try:
+            return await in_daemon(self._request, answer_timeout, fields, news)
+        finally:
+            self._notice = "".join(news) or self._notice
 
-    def _request(self, answer_timeout: float, fields: dict[str, Any]) -> dict[str, Any]:
+    def _request(
+        self, answer_timeout: float, fields: dict[str, Any], news: list[str]
+    ) -> dict[str, Any]:
         with self._lock:
             if self._console is None or self._console.has_ended:
                 console = find.choose({"to": self._to})
-                self._notice = CONSOLE_CHANGED if self._name else ""
+                if self._name:
+                    news.append(CONSOLE_CHANGED)
                 self._console, self._name = console, console.card["name"]
             try:
                 return self._console.answer(answer_timeout, **_ASSISTANT, **fields)
             except Silent:  # It may be suspended, and answer the next one.
                 raise Unreached(SILENT) from None
+            except Unreached:  # It has gone, or got half a request.
+                self._console.close()
+                raise
 
     async def stop(self) -> list[dict[str, Any]]:
         """Send STOP at once, whatever else waits, and return the consoles' results.
