@@ -432,19 +432,23 @@ def asking_first(
 ) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
     """Return the `send` of a form, which at first returns what `ask` asks, if anything.
 
-    Called again with the same values, it sends; not before _AGREE_AFTER seconds: a key may be held
-    down.
+    Called again with the same values, about the same goal, it sends; not before _AGREE_AFTER
+    seconds: a key may be held down.
     """
-    asked: tuple[float, Mapping[str, Any]] | None = None
+    asked: tuple[Mapping[str, Any], int | None] | None = None
+    asked_at = 0.0
 
     async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
-        nonlocal asked
+        nonlocal asked, asked_at
         question, now = ask(values), desk.station.clock.monotonic()
-        is_same = asked is not None and asked[1] == values
-        if question is not None and (asked is None or not is_same or now - asked[0] < _AGREE_AFTER):
-            asked = asked if is_same else (now, values)
-            return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
-        return await send(values)
+        if question is None:
+            return await send(values)
+        about = values, None if question.goal is None else question.goal.number
+        if asked != about:
+            asked, asked_at = about, now
+        elif now - asked_at >= _AGREE_AFTER:
+            return await send(values)
+        return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
 
     return ask_or_send
 
