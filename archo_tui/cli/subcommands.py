@@ -197,14 +197,11 @@ def _sources() -> dict[Path, Path]:
     in_clone = (_PACKAGE.parent / "interfaces" / "package.xml").is_file()
     root = _PACKAGE.parent if in_clone else _PACKAGE
     interfaces = root / ("interfaces" if in_clone else "embedded/share/archo_interfaces")
-    chapter = root / "config" / "chapter"
-    found = {path.relative_to(chapter): path for path in sorted(chapter.rglob("*"))}
-    for name in _INTERFACES:
-        path = interfaces / name
-        for file in [path] if path.is_file() else sorted(path.iterdir()):
-            found["src/archo_interfaces" / file.relative_to(interfaces)] = file
+    sources = {Path(): root / "config" / "chapter"}
+    sources |= {Path("src/archo_interfaces", name): interfaces / name for name in _INTERFACES}
     return {
-        name: path
-        for name, path in found.items()
-        if path.is_file() and "__pycache__" not in name.parts
+        place / path.relative_to(source): path
+        for place, source in sources.items()
+        for path in sorted([source, *source.rglob("*")])
+        if path.is_file() and "__pycache__" not in path.parts
     }
