@@ -438,6 +438,8 @@ async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.Monke
         with pytest.raises(Unreached, match="is it suspended"):
             await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
         assert asked == [1.0, 1.5, 1.5]  # while it answers, it is waited for
+        shell = await typed("wait", "battery", "100")
+        assert (shell.code, "is it suspended?" in shell.err) == (3, True)
         assert not goal.done()  # it reports
         await asyncio.to_thread(goal.cancel)
         await heard(person, "CANCELLED")
