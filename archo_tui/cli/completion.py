@@ -1,7 +1,8 @@
-"""The completion of a shell's words: the script, and `archo-tui __complete WORD ...` that it calls.
+"""The completion of a shell's words, by argcomplete, as `ros2` has it.
 
-That takes half a second at most, prints nothing without an answer, and changes nothing on the
-robot. So it imports verbs only for an option that is typed where no console runs.
+Its script runs the program with the line in environment variables. That takes half a second at
+most, prints nothing without an answer, and changes nothing on the robot. So it imports verbs only
+for an option that is typed where no console runs.
 """
 
 from __future__ import annotations
@@ -9,11 +10,10 @@ from __future__ import annotations
 import argparse
 import contextlib
 import re
-import sys
 from collections.abc import Iterable, Sequence
+from typing import NoReturn
 
 from archo_tui.cli.options import (
-    COMPLETE,
     ENGINES,
     SUBCOMMANDS,
     OneLineErrorParser,
@@ -24,45 +24,11 @@ from archo_tui.cli.options import (
 from archo_tui.cli.verb import verbs_of_file
 from archo_tui.client import find
 from archo_tui.client.errors import Unreached
+from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import CommandLine
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERBS
 
-# Where files are meant, the program prints nothing and its exit code is 1.
-_SCRIPTS = {
-    "bash": f"""\
-_archo_tui() {{
-  local IFS=$'\\n' found
-  if found=$(archo-tui {COMPLETE} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null); then
-    COMPREPLY=($found)
-  else
-    COMPREPLY=($(compgen -f -- "$2"))
-    compopt -o filenames 2>/dev/null
-  fi
-}}
-complete -F _archo_tui archo-tui""",
-    "zsh": f"""\
-_archo_tui() {{
-  local found
-  if found="$(archo-tui {COMPLETE} "${{(@)words[2,CURRENT]}}" 2>/dev/null)"; then
-    compadd -- ${{(f)found}}
-  else
-    _files
-  fi
-}}
-compdef _archo_tui archo-tui""",
-    "fish": f"""\
-function _archo_tui
-  set -l before (commandline -opc)
-  set -l found (archo-tui {COMPLETE} $before[2..] (commandline -ct) 2>/dev/null)
-  if test $status -eq 0
-    printf '%s\\n' $found
-  else
-    __fish_complete_path (commandline -ct)
-  end
-end
-complete -c archo-tui -f -a '(_archo_tui)'""",
-}
 _TIMEOUT = 0.25  # Seconds, twice: for the hello of a console, and for its answer.
 # A robot chooses the names on its graph. A word that a shell could read as anything but itself is
 # not offered.
@@ -71,19 +37,45 @@ _PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
 
 def print_completions(options: argparse.Namespace) -> int:
     """Print the completion script of a shell, and return 0."""
-    print(_SCRIPTS[options.shell])
+    from argcomplete.shell_integration import shellcode
+
+    # Without bash's defaults: where nothing fits, files do not fit, either.
+    script = shellcode(["archo-tui"], shell=options.shell, complete_arguments=["-o", "nospace"])
+    print(script.strip())
     return 0
 
 
-def print_candidates(words: Sequence[str]) -> int:
-    """Print the words that may stand at the end, and return 0; 1 if files may stand there."""
+def complete() -> NoReturn:
+    """Answer the script that has run this process, and end it."""
+    from argcomplete.completers import FilesCompleter
+    from argcomplete.finders import CompletionFinder
+
+    class Finder(CompletionFinder):
+        """A finder of the words that fit, which a parser alone does not know."""
+
+        def _get_completions(
+            self, comp_words: list[str], cword_prefix: str, cword_prequote: str, last: int | None
+        ) -> list[str]:
+            found = fitting([*comp_words[1:], cword_prefix])
+            if found is None:
+                found = list(FilesCompleter()(cword_prefix))
+            self._display_completions = dict.fromkeys(found, "")
+            quoted: list[str] = self.quote_completions(found, cword_prequote, last)
+            return quoted
+
+    Finder()(OneLineErrorParser("archo-tui", ""))
+    raise SystemExit(FAILED)  # Not reached: the call ends the process.
+
+
+def fitting(words: Sequence[str]) -> list[str] | None:
+    """Return the words that may stand in the place of the last one; None if files may."""
     with contextlib.suppress(ArchoError, OSError, ValueError):
         found = _candidates(words)
         if found is None:
-            return 1
-        fitting = (word for word in found if word.startswith(words[-1]))
-        sys.stdout.writelines(f"{word}\n" for word in fitting if _PLAIN_WORD.fullmatch(word))
-    return 0
+            return None
+        fits = (word for word in found if word.startswith(words[-1]))
+        return [word for word in fits if _PLAIN_WORD.fullmatch(word)]
+    return []
 
 
 def _candidates(words: Sequence[str]) -> Iterable[str] | None:

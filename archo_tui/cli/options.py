@@ -14,7 +14,6 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-COMPLETE = "__complete"  # The hidden command of completion scripts; cobra's has the same name.
 ENGINES = ("embedded", "ros2")
 
 _DESCRIPTION = """\
