@@ -12,8 +12,7 @@ from archo_tui.nearest import nearest_hint
 from archo_tui.parameters.save_load import write_atomically
 from archo_tui.paths import make_folder
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot_file.check import is_place_name
-from archo_tui.robot_file.model import GoalKind, Place, RobotFile
+from archo_tui.robot_file.model import GoalKind, Place, RobotFile, is_place_name
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.dump import block
 
