@@ -19,6 +19,8 @@ from archo_tui.ros_names import is_name, parse_type
 
 NO_STOP = "has no STOP: use the hardware stop"  # Said of a robot whose file names no stop service.
 
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+
 Scalar = bool | int | float | str
 
 
