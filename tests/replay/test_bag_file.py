@@ -556,7 +556,7 @@ def test_a_disk_that_fails_is_said_in_one_line(
         assert read(found) == []
     assert found.faults == ["a.mcap: Input/output error"]
     with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.recordings.replay.mcap_file._Scan.run", fail)
+        patch.setattr("archo_tui.recordings.replay.mcap_file.Index.fill", fail)
         assert BagFile(path).faults == ["a.mcap: Input/output error: the rest is left out"]
 
 
