@@ -15,14 +15,13 @@ from archo_tui.clock import Clock, time_of_day
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recordings import store
-from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.console import JOURNAL
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.state import (
     MAX_SILENCE,
     ROSOUT,
     Checkpoint,
     ReplayState,
-    guess_namespace,
 )
 from archo_tui.robot.state.events import OWN_LEVELS
 from archo_tui.robot.state.snapshot import Snapshot
@@ -40,10 +39,11 @@ _FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 
 
 class TimelineMark(NamedTuple):
-    """An event or alarm on the time line."""
+    """Something that happened."""
 
     time: float  # Unix time, in s.
-    text: str
+    text: str  # On the time line; "" for what only a report tells.
+    line: str  # Of a report.
 
 
 class _Window:
@@ -65,31 +65,32 @@ class _Window:
         self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
         self._is_cut = False  # True if there were too many messages for one window.
         self._last_time = begin  # Of the last `advance`.
+        self._second = begin  # That is looked at next.
+        self._active = frozenset[str]()  # The names of the alarms that were not over then.
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
         """Take all messages, their marks and trends; yield every few hundred: one may give up.
 
         Nothing else uses the state, which is that before the first message.
         """
-        second, alarms = self.begin, frozenset[str]()
+        last_event = 0
         self._checkpoints.append(state.checkpoint())
         for number, message in enumerate(messages):
             if number % _CHECKPOINT_EVERY == 0:
                 if number > 0:
                     self._checkpoints.append(state.checkpoint())
                 yield
-            while second <= message.time:  # As the console did, each second.
-                snapshot = state.snapshot
-                self.history.observe(snapshot, second)
-                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms)
-                second += 1.0
+            self._pass_seconds(state, message.time)
             try:
                 state.apply(*message)
                 self.history.observe(state.curve_snapshot, message.time)
             except Exception:  # A hostile message may raise anything; the others are applied.
                 self.unreadable += 1
-            if message.topic == JOURNAL:
-                self._mark_event(state.snapshot, message.time)
+            event = state.last_event if message.topic in (JOURNAL, ROSOUT) else None
+            if event is not None and event.number > last_event:
+                last_event = event.number
+                text = f"{event.level}: {event.text}" if event.level in OWN_LEVELS else ""
+                self.marks.append(TimelineMark(message.time, text, event_text(event)))
             self._messages.append(message)
             self._times.append(message.time)
         # A goal may have ended in the last part of a second.
@@ -98,6 +99,26 @@ class _Window:
             self.end = self._times[-1]
         self.is_complete = True
 
+    def _pass_seconds(self, state: ReplayState, until: float) -> None:
+        """Look at history and alarms as the console did, each second, in a silence for an hour."""
+        seconds = range(max(floor(until - self._second) + 1, 0))
+        for number in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
+            now, snapshot = self._second + number, state.snapshot
+            self.history.observe(snapshot, now)
+            self._mark_alarms(state.alarms(snapshot, now), now)
+        self._second += len(seconds)
+
+    def _mark_alarms(self, alarms: tuple[Alarm, ...], now: float) -> None:
+        """Mark the alarms that are new and unacknowledged, and those that are over."""
+        active = {alarm.name: alarm for alarm in alarms if not alarm.is_over}
+        for name, alarm in active.items():
+            if name not in self._active and alarm.state == AlarmState.UNACKNOWLEDGED:
+                since, line = max(alarm.since, self.begin), f"{alarm.priority.value}: {alarm.text}"
+                self.marks.append(TimelineMark(since, alarm.text, line))
+        for name in sorted(self._active - active.keys()):
+            self.marks.append(TimelineMark(now, "", f"over: {name}"))
+        self._active = frozenset(active)
+
     def cut(self) -> None:
         """Note that messages are missing before `end`: it becomes the time of the last one."""
         self._is_cut = True
@@ -105,19 +126,6 @@ class _Window:
     def abort(self) -> None:
         self.unreadable += 1
         self.is_complete = True
-
-    def _mark_event(self, snapshot: Snapshot, time: float) -> None:
-        event = snapshot.events[-1] if snapshot.events else None
-        if event is not None and event.level in OWN_LEVELS:
-            self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
-
-    def _mark_alarms(self, alarms: tuple[Alarm, ...], before: frozenset[str]) -> frozenset[str]:
-        """Mark the alarms that have become unacknowledged; return the names of those that are."""
-        new = [alarm for alarm in alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
-        for alarm in new:
-            if alarm.name not in before:
-                self.marks.append(TimelineMark(max(alarm.since, self.begin), alarm.text))
-        return frozenset(alarm.name for alarm in new)
 
     def covers(self, time: float) -> bool:
         """Return True if a time is in the window and all messages up to it are read."""
@@ -163,14 +171,12 @@ class Player:
         # A position, and the monotonic time at which it was reached.
         self._base, self._base_time = self.start, clock.monotonic()
         self._last_position = self._base  # The position at the last refresh.
-        self._namespace = namespace_of(bag, file)
         self._state = self._new_state()
         self._window = _Window(self.start, self.start + _SPAN)
-        self._read_for = self.start  # The position for which the window was made.
         self._start_reading(self._window)
 
     def _new_state(self) -> ReplayState:
-        return ReplayState(self.file, self.bag.types, self._namespace)
+        return ReplayState(self.file, self.bag.types)
 
     def _start_reading(self, window: _Window) -> None:
         def read() -> None:
@@ -201,10 +207,9 @@ class Player:
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
-            # If there were too many messages, the window ends before the position it was made for.
-            is_dense = self._window.end < self._read_for
-            span = self._window.end - self._window.begin if is_dense else _SPAN
-            begin, self._read_for = max(self._base - span / 2, self.start), self._base
+            # Where messages are too many for an hour, the last window was shorter.
+            span = self._window.end - self._window.begin
+            begin = max(self._base - span / 2, self.start)
             self._state = self._new_state()
             self._window = _Window(begin, begin + _SPAN)
             self._start_reading(self._window)
@@ -247,7 +252,8 @@ class Player:
     @property
     def marks(self) -> list[TimelineMark]:
         """The events and alarms of the loaded hour read so far, in the order of time."""
-        return sorted(self._window.marks, key=lambda mark: mark.time)
+        shown = (mark for mark in self._window.marks if mark.text)
+        return sorted(shown, key=lambda mark: mark.time)
 
     def step_mark(self, step: int) -> TimelineMark | None:
         """Pause at the next loaded mark (1) or the one before (-1), and return it.
@@ -323,21 +329,6 @@ class Player:
         )
 
 
-def namespace_of(bag: BagFile, file: RobotFile) -> str:
-    """Return the robot's namespace by the first recorded console state, or by the topics.
-
-    It reads the first second of the bag, in which the black box records a state.
-    """
-    state = ReplayState(file, bag.types, "/")
-    for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
-        try:
-            state.apply(*message)
-        except Exception:  # A hostile file may raise anything.
-            break
-        return state.console.snapshot.namespace
-    return guess_namespace(bag.types, file)
-
-
 _BEFORE_MARK = 5.0  # Seconds.
 _MAX_FAULTS = 3  # In the error for a bag without a message.
 
@@ -401,43 +392,11 @@ def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
     seconds = bag.end - bag.start
     begin = datetime.fromtimestamp(bag.start)
     yield f"{bag.path.name}: {file.name}, {begin:%Y-%m-%d %H:%M:%S}, {seconds:.0f} s"
-    state = ReplayState(file, bag.types, namespace_of(bag, file))
-    alarms, unreadable = frozenset[str](), 0
-    second, topics, last_event = floor(bag.start), state.topics, 0
-    for message in bag.messages(bag.start, bag.end, topics):
-        if not state.has_console_state:  # Alarms may come and go while no message arrives.
-            for quiet_second in range(second + 1, floor(message.time) + 1)[:MAX_SILENCE]:
-                found = _active_alarms(state, float(quiet_second))
-                yield from _alarm_changes(alarms, found, float(quiet_second))
-                alarms = frozenset(found)
-        try:
-            state.apply(*message)
-        except Exception:  # A hostile message may raise anything; the others are reported.
-            unreadable += 1
-            continue
-        event = state.snapshot.events[-1:] if message.topic in (JOURNAL, ROSOUT) else ()
-        if event and event[0].number > last_event:
-            last_event = event[0].number
-            yield f"{time_of_day(message.time)}  {event_text(event[0])}"
-        if message.topic == STATE or floor(message.time) > second:
-            second = floor(message.time)
-            found = _active_alarms(state, message.time)
-            yield from _alarm_changes(alarms, found, message.time)
-            alarms = frozenset(found)
-    if unreadable:
-        yield f"{unreadable} messages are unreadable"
+    window, state = _Window(bag.start, bag.end), ReplayState(file, bag.types)
+    for _ in window.fill(state, bag.messages(bag.start, bag.end, state.topics)):
+        pass
+    for mark in window.marks:
+        yield f"{time_of_day(mark.time)}  {mark.line}"
+    if window.unreadable:
+        yield f"{window.unreadable} messages are unreadable"
     yield from bag.faults
-
-
-def _active_alarms(state: ReplayState, now: float) -> dict[str, Alarm]:
-    """Return the alarms that are not over at a Unix time, by name."""
-    return {alarm.name: alarm for alarm in state.alarms(state.snapshot, now) if not alarm.is_over}
-
-
-def _alarm_changes(before: frozenset[str], found: dict[str, Alarm], time: float) -> Iterator[str]:
-    """Yield a line for each alarm that is new and unacknowledged, and for each that is over."""
-    now = time_of_day(time)
-    for name, alarm in found.items():
-        if name not in before and alarm.state == AlarmState.UNACKNOWLEDGED:
-            yield f"{now}  {alarm.priority.value}: {alarm.text}"
-    yield from (f"{now}  over: {name}" for name in sorted(before - found.keys()))

@@ -38,17 +38,6 @@ ROSOUT = "/rosout"
 MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
 _MAX_GOALS = 100  # Whose last feedback is kept.
 _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
-# The fields of a goal that its feedback changes.
-_FED = (
-    "heard",
-    "started",
-    "feedback",
-    "length",
-    "length_is_guessed",
-    "remaining",
-    "unreadable",
-    "way",
-)
 
 
 class RecordedTopics:
@@ -82,13 +71,18 @@ class RecordedTopics:
         self.callbacks = {n: known for n, known in self.callbacks.items() if known != callback}
 
 
-def guess_namespace(types: Mapping[str, str], robot: RobotFile) -> str:
+def _namespace_of(types: Mapping[str, str], robot: RobotFile) -> str:
     """Return the namespace in which the first recorded topic of the robot file is; or `/`."""
-    for topic in robot.shown_topics:
+    own = [*robot.shown_topics, *(_feedback_topic(kind) for kind in robot.goals)]
+    for topic in own:
         for name in types:
-            if name.endswith(f"/{topic.lstrip('/')}"):
-                return name[: -len(topic.lstrip("/")) - 1] or "/"
+            if not topic.startswith("/") and name.endswith(f"/{topic}"):
+                return name[: -len(topic) - 1] or "/"
     return "/"
+
+
+def _feedback_topic(kind: GoalKind) -> str:
+    return f"{kind.action}/_action/feedback"
 
 
 class _RecordingClock(Clock):
@@ -130,14 +124,14 @@ class ReplayState:
     feedback.
     """
 
-    def __init__(self, file: RobotFile, types: Mapping[str, str], namespace: str) -> None:
+    def __init__(self, file: RobotFile, types: Mapping[str, str]) -> None:
         """Create the state before the first message; `types` are those of the recorded topics."""
-        self._file, self._clock = file, _RecordingClock()
+        self._file, self._clock, namespace = file, _RecordingClock(), _namespace_of(types, file)
         self._topics = RecordedTopics(types, namespace)
         node, full = cast("Any", self._topics), self._topics.resolve_topic_name
         self._telemetry = Telemetry(node, file, self._clock, self._on_reading, lambda _: None)
         self._telemetry.resubscribe()
-        self._feedback_topics = {full(f"{kind.action}/_action/feedback") for kind in file.goals}
+        self._feedback_topics = {full(_feedback_topic(kind)) for kind in file.goals}
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
         self._forms = forms_of(file)
         actions = {kind.action: "not recorded" for kind in file.goals}
@@ -151,6 +145,7 @@ class ReplayState:
         # Of each goal, by its id: the last feedback, with its time.
         self._feedback: dict[str, tuple[float, Any]] = {}
         self._log = EventLog()
+        self.last_event: Event | None = None  # Of the last applied log line.
         self._message_rates: dict[str, MessageRate] = {}  # Of each topic, by its full name.
         self._logged: dict[str, float] = {}  # When nodes logged last, by name.
         self._board, self._evaluated_until = AlarmBoard(), 0.0
@@ -216,10 +211,10 @@ class ReplayState:
         """Replace the console's state, but keep what messages have told since it was made."""
         for alarm in state.alarms:
             assert alarm.priority  # Raises KeyError for an unknown kind of alarm.
-        found, before = state.snapshot, self.goal
+        found = state.snapshot
         self.console, self.goal = state._replace(snapshot=found._replace(events=())), found.goal
         if self.goal is not None:
-            self.goal = self._with_feedback(self._with_file_kind(self.goal), before)
+            self.goal = self._with_feedback(self._with_file_kind(self.goal))
         if found.events:
             self._log = EventLog.of(found.events)
         if not self._telemetry.charge:
@@ -243,15 +238,13 @@ class ReplayState:
         if len(self._feedback) > _MAX_GOALS:
             del self._feedback[next(iter(self._feedback))]
         if self.goal is not None:
-            self.goal = self._with_feedback(self.goal, None)
+            self.goal = self._with_feedback(self.goal)
 
-    def _with_feedback(self, goal: Goal, before: Goal | None) -> Goal:
+    def _with_feedback(self, goal: Goal) -> Goal:
         """Return the goal with its last feedback, if it runs and what is known of it is older."""
         time, feedback = self._feedback.get(goal.id, (0.0, None))
         if not goal.is_running or time <= (goal.heard or 0.0):
             return goal
-        if before is not None and before.id == goal.id and before.heard == time:
-            return goal._replace(**{name: getattr(before, name) for name in _FED})
         started = goal.sent if goal.started is None else goal.started
         changes = feedback_changes(goal, feedback, time)
         return goal._replace(heard=time, started=started, **changes)
@@ -263,7 +256,8 @@ class ReplayState:
             level, text = own, rest
         # A person may paste the command into a shell: it must not hold a line end.
         command, code = safe(message.function), safe(message.file)
-        self._log.add(Event(self._clock.time, level, source, text, command, code=code))
+        event = Event(self._clock.time, level, source, text, command, code=code)
+        self.last_event = self._log.add(event)
 
     def _on_log(self, message: Any) -> None:
         node = logger_node(message.name)
@@ -272,7 +266,7 @@ class ReplayState:
             return  # The journal has what consoles log; other robots do not matter here.
         self._logged[node] = self._clock.time
         level = level_word(message.level)
-        self._log.add(Event(self._clock.time, level, message.name, message.msg))
+        self.last_event = self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
     def _on_reading(self, topic: str, _has_changed: bool) -> None:
         full, now = self._topics.resolve_topic_name(topic), self._clock.time
