@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
@@ -112,8 +111,7 @@ def _full_name(name: str, owner: str) -> str:
 
 MAX_MESSAGES, MAX_BYTES = 500_000, 100_000_000  # Of one reading, encoded.
 _MAX_MESSAGE_BYTES = 4_000_000  # Of a message; decoding more takes seconds.
-_MAX_FAULTS = 100  # Lines of a kind.
-_MAX_COUNTED = 100_000  # Messages that cannot be read; a higher count is of no use.
+_MAX_FAULTS = 100  # Lines.
 _MAX_REASON = 200  # Characters.
 _SUFFIX = ".mcap"
 _SQLITE = "an SQLite bag: `ros2 bag convert` makes an MCAP of it"
@@ -128,29 +126,22 @@ class Faults:
     """A bounded number of lines about what could not be read, each once."""
 
     def __init__(self) -> None:
-        self._lines: dict[str, None] = {}
-        self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
-        self._reasons: dict[str, str] = {}  # By topic, for its first message.
+        self._lines: dict[str, str] = {}  # By what they are about.
 
-    def add(self, text: str) -> None:
-        text = harmless(text)
-        if text not in self._lines:
-            self._lines[text if len(self._lines) < _MAX_FAULTS else "and more"] = None
+    def add(self, text: str, about: str = "") -> None:
+        """Add a line, unless there is one, or one about the same."""
+        about = about or text
+        if len(self._lines) < _MAX_FAULTS:
+            self._lines.setdefault(about, harmless(text))
+        elif about not in self._lines:
+            self._lines[""] = "and more"
 
-    def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
-        """Count a message that cannot be read, once however often that is tried."""
-        if len(self._unreadable) < _MAX_COUNTED:
-            self._unreadable[order] = topic
-            self._reasons.setdefault(topic, reason[:_MAX_REASON])
+    def add_message(self, topic: str, reason: str) -> None:
+        """Add that messages of a topic cannot be read, by the first reason for that."""
+        self.add(f"{topic}: some messages cannot be read: {reason[:_MAX_REASON]}", topic)
 
     def lines(self) -> list[str]:
-        """Return the lines, then one for each topic with its number of unreadable messages."""
-        counts = Counter(self._unreadable.values())
-        messages = [
-            harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({reason})")
-            for topic, reason in self._reasons.items()
-        ]
-        return [*self._lines, *messages[:_MAX_FAULTS]]
+        return [*self._lines.values()]
 
 
 class Topic(NamedTuple):
@@ -164,7 +155,6 @@ class EncodedMessage(NamedTuple):
     """A message that is not decoded yet."""
 
     time: int  # Its log time, in ns since the epoch.
-    order: tuple[int, int]  # The number of its part in the bag, and its offset there.
     topic: Topic
     data: bytes  # CDR.
 
@@ -250,7 +240,7 @@ class BagFile:
             try:
                 message = deserialize_message(encoded.data, encoded.topic.message_class)
             except Exception as error:  # Of many kinds: message classes check their values, too.
-                self._faults.add_message(encoded.topic.name, encoded.order, str(error))
+                self._faults.add_message(encoded.topic.name, str(error))
                 continue
             yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
 
@@ -268,7 +258,7 @@ class BagFile:
         found, left, budget = list[EncodedMessage](), MAX_BYTES, Budget()
         channels: dict[Path, dict[int, Topic]] = {}
         is_cut = False
-        for number, (part, path, topics) in enumerate(self._parts):
+        for part, path, topics in self._parts:
             if part.start / 1e9 > end:
                 break
             if path not in channels:
@@ -278,16 +268,16 @@ class BagFile:
                 continue
             try:
                 with _opened(path) as file:
-                    for channel, time, at, data in mcap_file.messages_of(file, part, named, budget):
+                    for channel, time, data in mcap_file.messages_of(file, part, named, budget):
                         if len(data) > _MAX_MESSAGE_BYTES:
                             size = f"larger than {_MAX_MESSAGE_BYTES // 10**6} MB"
-                            faults.add_message(named[channel].name, (number, at), size)
+                            faults.add_message(named[channel].name, size)
                         elif begin <= time / 1e9 <= end:
                             left -= len(data)
                             if left < 0 or len(found) == MAX_MESSAGES:
                                 limit = f"{MAX_MESSAGES:,} messages or {MAX_BYTES // 10**6} MB"
                                 raise BudgetExceeded(f"more than {limit} at a time")
-                            found.append(EncodedMessage(time, (number, at), named[channel], data))
+                            found.append(EncodedMessage(time, named[channel], data))
             except BudgetExceeded as error:
                 faults.add(f"{error}: the rest is left out")
                 is_cut = True
@@ -299,7 +289,7 @@ class BagFile:
                 faults.add(str(error))
             except OSError as error:
                 faults.add(f"{path.name}: {error.strerror}")
-        found.sort(key=itemgetter(0, 1))
+        found.sort(key=itemgetter(0))  # Else in the order of the file.
         return ReadMessages(found, is_cut)
 
     def _index_file(self, path: Path, budget: Budget) -> Index:

@@ -270,8 +270,8 @@ def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str],
 
 def messages_of(
     file: BinaryIO, part: Part, channels: Mapping[int, object], budget: Budget
-) -> Iterator[tuple[int, int, int, bytes]]:
-    """Yield channel, log time, offset in the part, and content of messages, as the file has them.
+) -> Iterator[tuple[int, int, bytes]]:
+    """Yield channel, log time and content of messages, as the file has them.
 
     Raises OSError, BudgetExceeded, or Unreadable behind the last message before the damage.
     """
@@ -282,7 +282,7 @@ def messages_of(
         if opcode == _MESSAGE:
             channel, _, time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
             if channel in channels:
-                yield channel, time, offset, data[offset + _MESSAGE_HEAD.size : offset + length]
+                yield channel, time, data[offset + _MESSAGE_HEAD.size : offset + length]
 
 
 def _records(file: BinaryIO, offset: int, end: int, budget: Budget) -> Iterator[_Record]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import time
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NoReturn, cast
 
 from rclpy.serialization import deserialize_message
@@ -15,7 +15,6 @@ from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.handover import CONSOLE_SOCKET, STOP
-from archo_tui.recordings.replay.bag import EncodedMessage
 from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo, TopicEnd, TopicInfo
@@ -29,8 +28,7 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.station.view import View
 
-# Seconds of messages that are read before the position, and behind it a quarter of that: fewer
-# where they are too large to be read at once.
+# Seconds of messages that are read before the position, fewer where they are too many or too large.
 _SPANS = (SPAN, 6.0, 1.0)
 
 
@@ -48,12 +46,11 @@ class RecordedTopicFollower:
         self._player, self._clock, self._topic = player, clock, topic
         self._request, self._show = request, show
         self._kind = player.bag.types.get(topic, "")
-        self._messages: Sequence[EncodedMessage] = ()  # In the order of time.
-        self._read_until = 0.0  # Unix time, as the next one.
-        self._fault = ""  # What of them is left out.
+        self._fault = ""  # What of the messages is left out.
         self._shown = 0.0  # The position of the last view.
         self._intake = MessageIntake()
         self._watch: TopicWatch | None = None  # None before the first view.
+        self._message_class: Any = None
 
     async def run(self) -> NoReturn:
         """Show a view five times a second, less often if decoding takes long; never return.
@@ -82,41 +79,32 @@ class RecordedTopicFollower:
 
         It may read the bag. After a jump it begins anew with the messages before `now`.
         """
-        begun = time.thread_time()
-        watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
-        if is_jump or now > self._read_until:
-            self._read_around(now)
-        if watch is None or is_jump:
-            self._shown = now - SPAN
-            self._intake = MessageIntake()
+        begun, watch = time.thread_time(), self._watch
+        if watch is None or not 0 <= now - self._shown <= SPAN:
+            self._intake, self._fault = MessageIntake(), ""
             units = field_units(snapshot.file, snapshot.full, self._topic, self._kind)
             watch = self._watch = TopicWatch(
                 self._topic, self._kind, units, self._intake, self._decode
             )
-        first, last = (
-            bisect_right(self._messages, until, key=lambda message: message.time / 1e9)
-            for until in (self._shown, now)
-        )
-        for message in self._messages[first:last]:
+            starts = [now - span for span in _SPANS]
+        else:
+            starts = [math.nextafter(self._shown, now)] if now > self._shown else []
+        for start in starts:
+            read, faults = self._player.bag.encoded_messages(start, now, self._topic)
+            self._fault = next(iter(faults.lines()), self._fault)
+            if not read.is_cut:
+                break
+        for message in read.messages if starts else ():
+            self._message_class = message.topic.message_class
             self._intake.add(message.time / 1e9, message.data)
         self._shown = now
         view = watch.update(now, request)
         view = view._replace(fault=view.fault or self._fault)
         return view, time.thread_time() - begun
 
-    def _read_around(self, now: float) -> None:
-        for span in _SPANS:
-            self._read_until = now + span / 4
-            read, faults = self._player.bag.encoded_messages(
-                now - span, self._read_until, self._topic
-            )
-            self._messages, self._fault = read.messages, next(iter(faults.lines()), "")
-            if not read.is_cut:
-                return
-
     def _decode(self, data: bytes) -> Any:
         try:
-            return deserialize_message(data, self._messages[0].topic.message_class)
+            return deserialize_message(data, self._message_class)
         except Exception as error:  # Message classes check their values, too.
             raise ArchoError(f"not readable: {in_one_line(error)}") from None
 
@@ -207,9 +195,6 @@ class RecordedRobot:
             actions=of_kind(ACTION),
             no_level=_NOT_RECORDED,
         )
-
-    def __getattr__(self, verb: str) -> NoReturn:
-        raise AttributeError(f"a recorded robot does not {verb}")
 
 
 class RecordedHost:
