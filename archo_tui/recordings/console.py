@@ -70,10 +70,7 @@ class ConsoleRecorder:
             self._box.receive(JOURNAL, Log, LazyMessage(partial(_to_log, event), _EVENT_BYTES))
 
     def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record a view of which more than readings changed; tick the black box, or trigger it.
-
-        `changed` are the alarms whose state differs from the last call.
-        """
+        """Record a view of which more than readings changed; tick the black box, or trigger it."""
         key = change_key(view)
         if key != self._last_key or view.now - self._state_time > _MAX_STATE_AGE:
             self._last_key, self._state_time = key, view.now
@@ -85,11 +82,7 @@ class ConsoleRecorder:
         self._box.tick()
 
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Record the last minute and the next 5 s by hand; return that it has begun.
-
-        `written` gets the outcome on the event loop when it is on the disk, or could not be
-        written.
-        """
+        """Begin to record by hand; `written` gets the outcome on the event loop."""
         loop = None if written is None else asyncio.get_running_loop()
 
         def on_disk(name: str, failure: str) -> None:
@@ -139,7 +132,6 @@ def _stop_reasons(before: View, now: View) -> Iterator[str]:
 
 
 def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
-    """Return True if an event that `old` lacks tells of a STOP, which may be over by now."""
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)
@@ -220,10 +212,7 @@ def change_key(view: View) -> tuple[object, ...]:
 
 
 def to_json(view: View, since: float, *, with_events: bool) -> str:
-    """Return a view's state, secrets masked; `since` is Unix minus monotonic time.
-
-    The events so far are in the first state of a recording only.
-    """
+    """Return a view's state, secrets masked; `since` is Unix minus monotonic time."""
     state = ConsoleState(*(getattr(view, name) for name in ConsoleState._fields))
     if not with_events:
         state = state._replace(snapshot=state.snapshot._replace(events=()))
@@ -232,15 +221,11 @@ def to_json(view: View, since: float, *, with_events: bool) -> str:
 
 
 def from_json(text: str) -> ConsoleState:
-    """Return the state that `to_json` wrote; a hostile text may raise anything.
-
-    Missing fields get their defaults, unknown ones are ignored. Texts become safe for a terminal.
-    """
+    """Return the state that `to_json` wrote, safe for a terminal; it may raise anything."""
     return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
 def _to_data(value: Any, kind: Any, since: float) -> Any:
-    """Return a value of a type as JSON has it; `from_data` is the way back."""
     if value is None or isinstance(value, (str, bool)):
         return value
     origin, inner = _origin_and_args(kind)
@@ -326,7 +311,6 @@ def _require_type(kind: type, data: Any) -> Any:
 
 
 def _plain_value(data: Any, depth: int) -> Any:
-    """Return None, a number, a text, or lists of them; raise TypeError for anything else."""
     if isinstance(data, str):
         return harmless(data)
     if isinstance(data, list) and depth < _MAX_DEPTH:

@@ -44,10 +44,7 @@ class Ring:
         self._listeners: list[Listener] = []
 
     def add(self, received: ReceivedMessage) -> None:
-        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
-
-        The listeners get the message though it may be too large to be kept.
-        """
+        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners."""
         with self._lock:
             self._messages.append(received)
             self._bytes += received.bytes
@@ -63,11 +60,7 @@ class Ring:
                 listener(received)
 
     def subscribe(self, listener: Listener) -> list[ReceivedMessage]:
-        """Return the messages kept so far, and pass all that follow to `listener`, under the lock.
-
-        The last messages of topics that have been silent for longer come first, with the time of
-        the oldest other message, if there is one.
-        """
+        """Return the messages kept so far; pass all that follow to `listener`, under the lock."""
         with self._lock:
             self._listeners.append(listener)
             latched = [*self._latched.values()]
@@ -100,7 +93,6 @@ _RETRY = 10.0  # Seconds between two tries to record everything after a failure.
 
 
 def _since(clock: Clock) -> float:
-    """Return Unix minus monotonic time, which changes if the clock is set."""
     return clock.now() - clock.monotonic()
 
 
@@ -202,11 +194,7 @@ class BlackBox:
     def trigger(
         self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
     ) -> None:
-        """Record the last minute and the next 5 s; prolong a recording that goes on to that end.
-
-        One that is triggered `by_hand` is not deleted for room. `on_written` is called on any
-        thread, once.
-        """
+        """Record the last minute and the next 5 s; prolong a recording that goes on to that end."""
         if self._event is None:
             self._event = _Recording(self.ring, self._clock, why, SECONDS_AFTER, None)
         else:
@@ -216,10 +204,7 @@ class BlackBox:
             self._event.on_written.append(on_written)
 
     def tick(self) -> None:
-        """Have written what is due. Call it about each second.
-
-        A recording is dropped if two others still wait for a slow disk.
-        """
+        """Have written what is due, about each second; drop a recording if two others wait."""
         now = self._clock.monotonic()
         if self._event is not None and (now >= self._event.ends or self._event.is_full):
             self._finish_event(self._event)
@@ -264,10 +249,7 @@ class BlackBox:
             self._finish_all(self._all)
 
     def close(self, seconds: float) -> str:
-        """End the writing thread when all is written; return why a recording is not, or "".
-
-        It waits for so many seconds at most.
-        """
+        """End the thread when all is written, or after so long; return what is not, or ""."""
         if self._thread is None:
             return ""
         self._jobs.put(None)
@@ -330,7 +312,6 @@ class BlackBox:
             recording.unfinished = None
 
     def _complete(self, recording: _Recording) -> str:
-        """Finish the bag, and return its name."""
         writer = recording.writer
         assert writer is not None
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
@@ -349,7 +330,6 @@ class BlackBox:
         return name
 
     def _abandon(self, recording: _Recording) -> None:
-        """Give a recording up; its folder stays if it holds something of use."""
         recording.stop_collecting()
         recording.failed = self._clock.monotonic()
         if recording.writer is not None:

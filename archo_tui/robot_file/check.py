@@ -16,10 +16,7 @@ def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) 
 
 
 def duplicate_servers(action: str, nodes: Sequence[str]) -> str:
-    """Return the text by which a goal is refused whose action several nodes serve.
-
-    ROS 2 delivers one goal request to all of them, so each would start to drive.
-    """
+    """Return why a goal is refused that several nodes would get, and each would drive."""
     return f"{action} is served by {' and '.join(nodes)}: each would drive; stop all but one"
 
 

@@ -104,7 +104,6 @@ def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
 
 
 def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
-    """Return name, key node and value node of each entry; ArchoError for no or a wrong mapping."""
     if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
         raise _error(node, path, "expected lines like 'name: value'")
     found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}
@@ -150,7 +149,6 @@ def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
 
 @functools.cache
 def _hints_and_checks(kind: type) -> tuple[dict[str, Any], dict[str, tuple[Check, ...]]]:
-    """Return the types of a dataclass's fields, and what checks their values; both by name."""
     told = get_type_hints(kind, include_extras=True)
     checks = {name: getattr(hint, "__metadata__", ())[1:] for name, hint in told.items()}
     return get_type_hints(kind), checks
@@ -189,7 +187,6 @@ def _read_union(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
 
 
 def _is_left_out(node: yaml.Node) -> bool:
-    """Return True for an unquoted empty value, `~`, `null` or `none`, in any case."""
     return isinstance(node, yaml.ScalarNode) and not node.style and node.value.lower() in NONE_WORDS
 
 

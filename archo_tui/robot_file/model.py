@@ -84,8 +84,6 @@ def _types(by_type: Mapping[str, Any]) -> str:
 
 
 def _number(is_right: Callable[[float], bool], rule: str) -> Check:
-    """Return a check of a number, which a parameter may hold; one that is left out is right."""
-
     def check(limit: Limit) -> str:
         value = known_number(limit)
         return "" if value is None or is_right(value) else f"is {value:g}: {rule}"
@@ -109,7 +107,6 @@ def _order(name: str, low: Limit, other: str, high: Limit, where: str = "") -> F
 
 
 def _duplicates(entries: Iterable[tuple[str, str, str]]) -> Faults:
-    """Yield a fault for each entry (place, kind of word, word) whose word came before."""
     used = set()
     for where, what, word in entries:
         if word in used:
@@ -536,7 +533,6 @@ class RobotFile:
                 )
 
     def _word_faults(self) -> Faults:
-        """Check the words that operators type: each is valid, unique, and not the console's own."""
         found = [(goal.where, "id", goal.id) for goal in self.goals]
         found += [(command.where, "id", command.id) for command in self.commands]
         found += [(c.where, "word", c.off_word) for c in self.commands if c.off_word]

@@ -320,7 +320,6 @@ def _topic_entries(sighting: Sighting) -> Iterator[Entry]:
 
 
 def _with_its_scale(fields: BatteryFields, values: Mapping[str, Any]) -> tuple[BatteryFields, str]:
-    """Return the fields of a battery with the scale of the last value, and what is odd about it."""
     percentage, value = fields.percentage, values.get(fields.percentage.field)
     if not isinstance(value, float) or percentage.scale == 1.0:
         return fields, ""
@@ -333,7 +332,6 @@ def _with_its_scale(fields: BatteryFields, values: Mapping[str, Any]) -> tuple[B
 
 
 def _propose_goal(sighting: Sighting) -> GoalKind | None:
-    """Propose the entry for an action; None if its goal is not known, or fits no form."""
     known = next((_GOALS[kind] for kind in sighting.types if kind in _GOALS), None)
     if known is not None:
         return replace(known, action=sighting.name)
@@ -385,7 +383,6 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
 
 
 def _remaining(feedback: Mapping[str, str]) -> RemainingField | None:
-    """Return the first number of a feedback whose name says that it is what is left, or None."""
     for path, kind in feedback.items():
         name = path.rpartition(".")[2]
         if _NUMBERS.fullmatch(kind) and _REMAINING.search(name):
@@ -394,10 +391,7 @@ def _remaining(feedback: Mapping[str, str]) -> RemainingField | None:
 
 
 def _stops(seen: Sequence[Sighting]) -> Iterator[Entry]:
-    """Yield an entry for each service that may be the STOP, with what may release it, if any.
-
-    A service of a type in the table of known STOPs releases itself.
-    """
+    """Yield an entry for each service that may be the STOP, with what may release it."""
     stops = [sighting for sighting in seen if sighting.is_stop]
     releases = [
         stop for stop in stops if any(word in stop.word for word in _RELEASE_WORDS)
@@ -478,7 +472,6 @@ def _doubted(found: Iterable[Entry]) -> Iterator[Entry]:
 
 
 def _common_namespace(found: Iterable[Entry]) -> str:
-    """Return the namespace that the parts and their nodes have in common."""
     own = [entry.sighting for entry in found if entry.part not in ("diagnostics", "topics")]
     names = [name for sighting in own for name in (sighting.name, *sighting.nodes)]
     return posixpath.commonpath([posixpath.dirname(name) for name in names]) if names else "/"
@@ -499,7 +492,6 @@ def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
 
 
 def _relative(name: str, namespace: str) -> str:
-    """Return a full name without the namespace if it is below it; else the full name."""
     return name.removeprefix(f"{namespace.rstrip('/')}/")
 
 
@@ -518,11 +510,7 @@ _MOST = 200  # Unknown topics, services and actions that are listed; the rest is
 
 
 def text_of(proposal: Proposal, head: str) -> str:
-    """Return the text of a proposed robot file, with a comment above each part.
-
-    Parts that are not sure, `head` and the first 200 unknown lines become comments. ArchoError if
-    the text would not load.
-    """
+    """Return the text of a proposed robot file; what is not sure becomes a comment."""
     name = base_name(proposal.namespace) or RobotFile.name
     parts = [_comment(head), yaml_dump.block({"version": RobotFile.version, "name": name})]
     for part, group in groupby(proposal.entries, key=lambda entry: entry.part):

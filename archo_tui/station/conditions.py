@@ -154,10 +154,7 @@ def moves_after_stop(seen: Situation) -> Found:
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
-    """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
-
-    For an open STOP that was sent, it must have come 1 s or more after it was asked for.
-    """
+    """Return True if the robot moves in spite of a STOP, 1 s or more after an open one."""
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
         return False
@@ -371,7 +368,6 @@ def diagnostic_warning(seen: Situation) -> Found:
 
 
 def _bad_parts(seen: Situation) -> list[tuple[Diagnostic, str]]:
-    """Return the parts with an alarm of their own, and its texts; none if all fell silent."""
     bad, statuses = seen.bad_parts, seen.snapshot.diagnostics
     if len(bad) > 1 and all(status.is_silent_at(seen.now) for status in statuses):
         return []
@@ -432,7 +428,6 @@ def _heard(seen: Situation) -> Iterator[tuple[str, TopicRule, float, float]]:
 
 
 def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:
-    """Yield each topic with an expected rate, by its full name, with the measured one if any."""
     for rule in seen.snapshot.file.topics:
         if rule.rate is not None:
             topic = seen.snapshot.full(rule.topic)
@@ -440,7 +435,6 @@ def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None
 
 
 def _silence(rule: TopicRule) -> float:
-    """Return the seconds without a message that are silence: three periods, at least 2.5 s."""
     return max(3 / (rule.rate or 1.0), LEAST_SILENCE)
 
 
@@ -565,11 +559,7 @@ class Conditions(NamedTuple):
 
 
 def conditions(seen: Situation) -> Conditions:
-    """Evaluate the conditions of all alarms.
-
-    While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
-    that are still received.
-    """
+    """Evaluate the conditions of all alarms; without contact, only those still reported."""
     is_lost = seen.contact_is_lost
     texts, unknown = dict[str, str](), set[str]()
     for kind in KINDS:

@@ -51,7 +51,6 @@ class Places:
     """All places and lists of one robot. `load` and `save_...` use a file, and block."""
 
     def __init__(self, robot: RobotFile, path: Path | None = None) -> None:
-        """Create them; `path` is the user's file, None for none."""
         self._robot, self.path = robot, path
         self._kinds = {kind.id: kind for kind in robot.goals}
         first = robot.goals[0].id if robot.goals else ""
@@ -99,7 +98,6 @@ class Places:
         return found
 
     def _fits(self, saved: SavedGoal) -> bool:
-        """Return False for a goal of the robot file whose form has other fields."""
         kind = self._kinds.get(saved.goal)
         return kind is None or saved.values.keys() == kind.form.keys()
 
@@ -145,7 +143,6 @@ class Places:
         return own
 
     def _read(self) -> dict[str, SavedNames]:
-        """Return what the user's file holds of each robot; {} for no file."""
         if self.path is None:
             return {}
         try:

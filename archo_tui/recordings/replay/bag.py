@@ -50,10 +50,7 @@ _Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name
 
 @lru_cache(200)
 def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
-    """Return the class of `package/kind/Name`, or raise Unreadable.
-
-    Definitions in another encoding than `ros2msg` are not compared.
-    """
+    """Return the class of `package/kind/Name`, or raise Unreadable."""
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:
@@ -67,7 +64,6 @@ def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
 
 
 def _load_class(parts: InterfaceType) -> Any:
-    """Return the class of a message or of an action's feedback message; None if not installed."""
     made = load_class(str(parts))
     if made is None and parts.kind == "action" and parts.name.endswith(_FEEDBACK):
         action = load_class(str(parts).removesuffix(_FEEDBACK))
@@ -76,10 +72,7 @@ def _load_class(parts: InterfaceType) -> Any:
 
 
 def _parse_layout(text: str, root: str) -> _Layout:
-    """Return the fields of each message of a definition, by `package/Name`; the first is `root`.
-
-    Constants, defaults, and the bounds of strings and sequences are left out: they take no bytes.
-    """
+    """Return the fields of each message by `package/Name`; bounds and defaults take no bytes."""
     found: _Layout = {}
     for number, part in enumerate(_SEPARATOR.split(text)):
         name, body = root, part
@@ -181,11 +174,7 @@ class _FilePart(NamedTuple):
 
 
 class BagFile:
-    """A ROS bag: a folder with .mcap files, or one such file.
-
-    `count` is the number of its messages, decodable or not, `types` the type of each topic that can
-    be decoded, and `robot` the text of the attached robot file. `start` and `end` are Unix times.
-    """
+    """A ROS bag: a folder with .mcap files, or one such file. `start` and `end` are Unix times."""
 
     def __init__(self, path: Path) -> None:
         """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
@@ -225,10 +214,7 @@ class BagFile:
         wanted: Container[str],
         on_cut: Callable[[], None] = lambda: None,
     ) -> Iterator[BagMessage]:
-        """Yield the decoded messages of topics from one Unix time to another, both included.
-
-        All are loaded before the first is yielded. Too many are cut, which `on_cut` hears first.
-        """
+        """Yield the decoded messages between two Unix times; `on_cut` says that some lack."""
         from rclpy.serialization import deserialize_message
 
         found, is_cut = self._read(begin, end, wanted, self._faults)
@@ -245,10 +231,7 @@ class BagFile:
             yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
 
     def encoded_messages(self, begin: float, end: float, topic: str) -> tuple[ReadMessages, Faults]:
-        """Return the messages of a topic as `messages` has them, but encoded, and what is left out.
-
-        `faults` does not tell of it.
-        """
+        """Return the encoded messages of a topic, and what of them is left out."""
         faults = Faults()
         return self._read(begin, end, (topic,), faults), faults
 
@@ -303,10 +286,7 @@ class BagFile:
         return index
 
     def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
-        """Return the topics that can be decoded, by channel; raise ArchoError for another system's.
-
-        Their types are noted, the other topics are faults.
-        """
+        """Return the topics that can be decoded, by channel; the others become faults."""
         encodings = {channel.message_encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
             if index.profile == "ros1":
@@ -336,7 +316,6 @@ class BagFile:
 
 
 def _mcap_files(path: Path) -> list[Path]:
-    """Return the .mcap files of a folder by name, or the path itself if it is no folder."""
     try:
         if not path.is_dir():
             return [path]
@@ -372,7 +351,6 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
 
 
 def _other_format(begin: bytes) -> str:
-    """Return what a file is that begins so, and how to read it."""
     if not begin:
         return "it is empty: nothing was recorded in it"
     for magic, advice in _OTHER_MAGIC.items():

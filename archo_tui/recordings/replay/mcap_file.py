@@ -110,10 +110,7 @@ class Index:
         self._file, self._size, self._budget, self._fault = file, size, budget, fault
 
     def fill(self) -> None:
-        """Read the records between the chunks up to the end of the messages, or to a cut.
-
-        A chunk whose message index tells enough is not unpacked.
-        """
+        """Read the records between the chunks; unpack a chunk only if its index lacks something."""
         records = _records(self._file, len(MAGIC), self._size, self._budget)
         record = next(records, None)
         while record is not None and (record.opcode, record.length) not in _END_RECORDS:
@@ -139,7 +136,6 @@ class Index:
         return self._file.read(count)
 
     def _take(self, record: _Record) -> None:
-        """Take in a header, schema, channel or the attachment with the robot file."""
         if record.opcode == _ATTACHMENT:
             name = self._file.read(min(record.length, _NAME_END))
             if name[16:] != len(_ROBOT).to_bytes(4, "little") + _ROBOT.encode():
@@ -253,11 +249,7 @@ class Index:
 
 
 def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str], None]) -> Index:
-    """Return what a file holds, also one that was cut off.
-
-    The summary at the end of a file is not used: it is missing in one that was cut off, and may
-    lie. If the disk fails or the budget ends, what was found until then counts.
-    """
+    """Return what a file holds. Its summary is not used: a file that was cut off has none."""
     index = Index(file, size, budget, fault)
     try:
         index.fill()
@@ -271,10 +263,7 @@ def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str],
 def messages_of(
     file: BinaryIO, part: Part, channels: Mapping[int, object], budget: Budget
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield channel, log time and content of messages, as the file has them.
-
-    Raises OSError, BudgetExceeded, or Unreadable behind the last message before the damage.
-    """
+    """Yield channel, log time and content of messages; raise Unreadable where the damage begins."""
     data = _read_part(file, part, budget)
     for opcode, offset, length, _ in _records(BytesIO(data), 0, len(data), budget):
         if opcode == _CUT or (opcode == _MESSAGE and length < _MESSAGE_HEAD.size):
@@ -286,10 +275,7 @@ def messages_of(
 
 
 def _records(file: BinaryIO, offset: int, end: int, budget: Budget) -> Iterator[_Record]:
-    """Yield each record; where none can be, the rest if it is of a chunk, then one that is _CUT.
-
-    A record with opcode 0, as files of zeros have it, is none.
-    """
+    """Yield each record; where none can be, the rest if it is of a chunk, then one that is _CUT."""
     while offset < end:
         budget.spend(records=1)
         file.seek(offset)

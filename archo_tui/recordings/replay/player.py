@@ -47,10 +47,7 @@ class TimelineMark(NamedTuple):
 
 
 class _Window:
-    """The messages of an hour, with a checkpoint at every few hundred: any moment is near one.
-
-    One thread fills it while another one reads. All times are Unix times.
-    """
+    """The messages of an hour, with checkpoints. One thread fills it while another one reads."""
 
     def __init__(self, begin: float, end: float) -> None:
         self.begin = begin
@@ -69,10 +66,7 @@ class _Window:
         self._active = frozenset[str]()  # The names of the alarms that were not over then.
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
-        """Take all messages, their marks and trends; yield every few hundred: one may give up.
-
-        Nothing else uses the state, which is that before the first message.
-        """
+        """Take all messages, their marks and trends; yield every few hundred: one may give up."""
         last_event = 0
         self._checkpoints.append(state.checkpoint())
         for number, message in enumerate(messages):
@@ -109,7 +103,6 @@ class _Window:
         self._second += len(seconds)
 
     def _mark_alarms(self, alarms: tuple[Alarm, ...], now: float) -> None:
-        """Mark the alarms that are new and unacknowledged, and those that are over."""
         active = {alarm.name: alarm for alarm in alarms if not alarm.is_over}
         for name, alarm in active.items():
             if name not in self._active and alarm.state == AlarmState.UNACKNOWLEDGED:
@@ -159,8 +152,7 @@ class _Window:
 class Player:
     """The player of one bag: a position in it, its speed, and what the console showed there.
 
-    It is used on one thread, and reads an hour of the bag at a time on another. `start`, `end` and
-    `position` are Unix times. `is_playing` is True also while `refresh` holds the position.
+    It is used on one thread. All times are Unix times.
     """
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
@@ -200,10 +192,7 @@ class Player:
         return min(self._base + passed * self.speed, self.end)
 
     def go_to(self, time: float) -> None:
-        """Move the position within the recording; outside of the loaded hour, begin to read there.
-
-        Playing goes on from the new position.
-        """
+        """Move the position; outside of the loaded hour, begin to read there."""
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
@@ -224,10 +213,7 @@ class Player:
         self.is_playing = on
 
     def refresh(self) -> None:
-        """Keep up with the time that has passed while playing, and pause at the end.
-
-        Where messages are still being read, hold the position.
-        """
+        """Keep up with the time while playing; hold where messages are still being read."""
         position = self.position
         if position > self._window.end:
             self.go_to(position)
@@ -256,10 +242,7 @@ class Player:
         return sorted(shown, key=lambda mark: mark.time)
 
     def step_mark(self, step: int) -> TimelineMark | None:
-        """Pause at the next loaded mark (1) or the one before (-1), and return it.
-
-        If there is none, return None, and neither pause nor move.
-        """
+        """Pause at the next loaded mark (1) or the one before (-1), if any, and return it."""
         here, marks = self.position, self.marks
         neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
         if not neighbour:
@@ -334,10 +317,7 @@ _MAX_FAULTS = 3  # In the error for a bag without a message.
 
 
 def find_recording(given: str) -> Path:
-    """Return the path of a recording: an existing path, a name, or for "" the newest.
-
-    A path with a `/` is returned unchecked.
-    """
+    """Return the path of a recording: an existing path, a name, or for "" the newest."""
     # Unlike Path.exists, os.path.exists returns False for names that are too long.
     if given and (os.path.exists(given) or "/" in given):
         return Path(given)

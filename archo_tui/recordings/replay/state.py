@@ -41,10 +41,7 @@ _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=Durabi
 
 
 class RecordedTopics:
-    """A stand-in for the console's node, on which every recorded topic has a publisher.
-
-    It receives nothing by itself: `callbacks` are called with the recorded messages.
-    """
+    """A stand-in for the console's node; its callbacks are called with the recorded messages."""
 
     def __init__(self, types: Mapping[str, str], namespace: str) -> None:
         self._types, self._namespace = types, namespace
@@ -72,7 +69,6 @@ class RecordedTopics:
 
 
 def _namespace_of(types: Mapping[str, str], robot: RobotFile) -> str:
-    """Return the namespace in which the first recorded topic of the robot file is; or `/`."""
     own = [*robot.shown_topics, *(_feedback_topic(kind) for kind in robot.goals)]
     for topic in own:
         for name in types:
@@ -86,8 +82,6 @@ def _feedback_topic(kind: GoalKind) -> str:
 
 
 class _RecordingClock(Clock):
-    """A clock that stands at the Unix time of the last message."""
-
     time = 0.0
 
     def monotonic(self) -> float:
@@ -118,11 +112,7 @@ def _copied(value: Any) -> Any:
 
 
 class ReplayState:
-    """The state of robot and console after the messages applied so far.
-
-    `console` is the last recorded state of the console, `goal` the goal by that and by later
-    feedback.
-    """
+    """The state of robot and console after the messages applied so far."""
 
     def __init__(self, file: RobotFile, types: Mapping[str, str]) -> None:
         """Create the state before the first message; `types` are those of the recorded topics."""
@@ -177,10 +167,7 @@ class ReplayState:
             self.console = from_json(self._state_json) if is_there else self._initial
 
     def apply(self, time: float, topic: str, message: Any) -> None:
-        """Apply the next message; a hostile one may raise any exception.
-
-        Without a console state, the alarms of each second up to it are evaluated first.
-        """
+        """Apply the next message; a hostile one may raise any exception."""
         self._evaluate_alarms_until(time)
         self._clock.time = time
         if topic == STATE:
@@ -208,7 +195,6 @@ class ReplayState:
             self._board.update(found.texts, now, now, unknown=found.unknown)
 
     def _apply_state(self, state: ConsoleState) -> None:
-        """Replace the console's state, but keep what messages have told since it was made."""
         for alarm in state.alarms:
             assert alarm.priority  # Raises KeyError for an unknown kind of alarm.
         found = state.snapshot
@@ -307,11 +293,7 @@ class ReplayState:
         )
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Return the alarms at a Unix time, those that are not over with their text of then.
-
-        They are those that the console recorded, or without a console state are evaluated here,
-        which changes this state.
-        """
+        """Return the recorded alarms; without a console state evaluate them, which changes it."""
         found = conditions(Situation(snapshot, now, self.console.hosted)).texts
         self._evaluate_alarms_until(now)
         alarms = self.console.alarms if self.has_console_state else self._board.all()

@@ -53,10 +53,7 @@ class RecordedTopicFollower:
         self._message_class: Any = None
 
     async def run(self) -> NoReturn:
-        """Show a view five times a second, less often if decoding takes long; never return.
-
-        Messages are read and decoded on another thread.
-        """
+        """Show a view five times a second, less often if decoding takes long; never return."""
         spent = 0.0
         while True:
             now, snapshot = self._player.position, self._player.snapshot()
@@ -75,10 +72,7 @@ class RecordedTopicFollower:
     def _update(
         self, request: TopicRequest, now: float, snapshot: Snapshot
     ) -> tuple[TopicView, float]:
-        """Return the view at a Unix time, and the processor time in seconds that it took.
-
-        It may read the bag. After a jump it begins anew with the messages before `now`.
-        """
+        """Return the view, and the processor time in seconds that it took. It may read the bag."""
         begun, watch = time.thread_time(), self._watch
         if watch is None or not 0 <= now - self._shown <= SPAN:
             self._intake, self._fault = MessageIntake(), ""
@@ -110,7 +104,6 @@ class RecordedTopicFollower:
 
 
 def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
-    """Return who published a topic, and its mismatches; who subscribed is not recorded."""
     resource = next((r for r in snapshot.resources if r.name == topic), None)
     if resource is None:
         return None
@@ -134,10 +127,7 @@ class ConsoleStops(Stops):
 
 
 class RecordedRobot:
-    """A stand-in for `Robot` that shows the recorded robot and cannot command it.
-
-    A verb that is not defined here raises AttributeError.
-    """
+    """A stand-in for `Robot` that shows the recorded robot; it has no verbs."""
 
     watching = True
 
@@ -178,10 +168,7 @@ class RecordedRobot:
         await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return the topics, services and actions that a node offered at the position.
-
-        What it subscribed to and called, and its log level, are not recorded.
-        """
+        """Return the topics, services and actions that a node offered at the position."""
         found = [resource for resource in self.snapshot.resources if node in resource.nodes]
         if not found:
             return Outcome(Code.REFUSED, _NOT_RECORDED)
