@@ -19,7 +19,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
@@ -137,28 +137,6 @@ class Faults:
         return [*self._lines.values()]
 
 
-class Topic(NamedTuple):
-    """A topic that can be decoded, by its full name."""
-
-    name: str
-    message_class: Any
-
-
-class EncodedMessage(NamedTuple):
-    """A message that is not decoded yet."""
-
-    time: int  # Its log time, in ns since the epoch.
-    topic: Topic
-    data: bytes  # CDR.
-
-
-class ReadMessages(NamedTuple):
-    """The messages of one reading in the order of time; later ones are missing if it is cut."""
-
-    messages: list[EncodedMessage]
-    is_cut: bool
-
-
 class BagMessage(NamedTuple):
     """A decoded message, with the Unix time of its recording."""
 
@@ -167,10 +145,13 @@ class BagMessage(NamedTuple):
     message: Any
 
 
+Encoded = tuple[int, str, bytes]  # Log time in ns since the epoch, topic, CDR.
+
+
 class _FilePart(NamedTuple):
     part: Part
     path: Path
-    topics: Mapping[int, Topic]  # Those that can be decoded, by channel.
+    topics: Mapping[int, str]  # Those that can be decoded, by channel.
 
 
 class BagFile:
@@ -180,6 +161,7 @@ class BagFile:
         """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
         self.path, self.count, self.robot = path, 0, ""
         self.types: dict[str, str] = {}
+        self._classes: dict[str, Any] = {}  # By topic, as `types`.
         self._faults = Faults()
         self._parts: list[_FilePart] = []
         first, last, refused, files = 2**64, 0, list[ArchoError](), _mcap_files(path)
@@ -215,37 +197,44 @@ class BagFile:
         on_cut: Callable[[], None] = lambda: None,
     ) -> Iterator[BagMessage]:
         """Yield the decoded messages between two Unix times; `on_cut` says that some lack."""
-        from rclpy.serialization import deserialize_message
-
         found, is_cut = self._read(begin, end, wanted, self._faults)
         if is_cut:
             on_cut()
         found.reverse()
         while found:
-            encoded = found.pop()  # Frees its bytes once it is decoded.
+            time, topic, data = found.pop()  # Frees its bytes once it is decoded.
             try:
-                message = deserialize_message(encoded.data, encoded.topic.message_class)
-            except Exception as error:  # Of many kinds: message classes check their values, too.
-                self._faults.add_message(encoded.topic.name, str(error))
-                continue
-            yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
+                yield BagMessage(time / 1e9, topic, self.decode(topic, data))
+            except ArchoError as error:
+                self._faults.add_message(topic, str(error))
 
-    def encoded_messages(self, begin: float, end: float, topic: str) -> tuple[ReadMessages, Faults]:
-        """Return the encoded messages of a topic, and what of them is left out."""
+    def decode(self, topic: str, data: bytes) -> Any:
+        """Return a message of a topic; ArchoError if it cannot be decoded."""
+        from rclpy.serialization import deserialize_message
+
+        try:
+            return deserialize_message(data, self._classes[topic])
+        except Exception as error:  # Of many kinds: message classes check their values, too.
+            raise ArchoError(in_one_line(error)) from None
+
+    def encoded_messages(
+        self, begin: float, end: float, topic: str
+    ) -> tuple[list[Encoded], bool, list[str]]:
+        """Return messages of a topic, whether there were too many, and what is left out."""
         faults = Faults()
-        return self._read(begin, end, (topic,), faults), faults
+        return *self._read(begin, end, (topic,), faults), faults.lines()
 
     def _read(
         self, begin: float, end: float, wanted: Container[str], faults: Faults
-    ) -> ReadMessages:
-        found, left, budget = list[EncodedMessage](), MAX_BYTES, Budget()
-        channels: dict[Path, dict[int, Topic]] = {}
+    ) -> tuple[list[Encoded], bool]:
+        found, left, budget = list[Encoded](), MAX_BYTES, Budget()
+        channels: dict[Path, dict[int, str]] = {}
         is_cut = False
         for part, path, topics in self._parts:
             if part.start / 1e9 > end:
                 break
             if path not in channels:
-                channels[path] = {n: topic for n, topic in topics.items() if topic.name in wanted}
+                channels[path] = {n: topic for n, topic in topics.items() if topic in wanted}
             named = channels[path]
             if part.end / 1e9 < begin or not named:
                 continue
@@ -254,13 +243,13 @@ class BagFile:
                     for channel, time, data in mcap_file.messages_of(file, part, named, budget):
                         if len(data) > _MAX_MESSAGE_BYTES:
                             size = f"larger than {_MAX_MESSAGE_BYTES // 10**6} MB"
-                            faults.add_message(named[channel].name, size)
+                            faults.add_message(named[channel], size)
                         elif begin <= time / 1e9 <= end:
                             left -= len(data)
                             if left < 0 or len(found) == MAX_MESSAGES:
                                 limit = f"{MAX_MESSAGES:,} messages or {MAX_BYTES // 10**6} MB"
                                 raise BudgetExceeded(f"more than {limit} at a time")
-                            found.append(EncodedMessage(time, named[channel], data))
+                            found.append((time, named[channel], data))
             except BudgetExceeded as error:
                 faults.add(f"{error}: the rest is left out")
                 is_cut = True
@@ -273,7 +262,7 @@ class BagFile:
             except OSError as error:
                 faults.add(f"{path.name}: {error.strerror}")
         found.sort(key=itemgetter(0))  # Else in the order of the file.
-        return ReadMessages(found, is_cut)
+        return found, is_cut
 
     def _index_file(self, path: Path, budget: Budget) -> Index:
         def fault(text: str) -> None:
@@ -285,7 +274,7 @@ class BagFile:
         self._parts += [_FilePart(part, path, topics) for part in index.parts]
         return index
 
-    def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
+    def _readable_topics(self, path: Path, index: Index) -> dict[int, str]:
         """Return the topics that can be decoded, by channel; the others become faults."""
         encodings = {channel.message_encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
@@ -309,7 +298,7 @@ class BagFile:
                 if schema.encoding != "ros2msg":
                     read_as = f"its definition is not compared: read as {schema.name} here"
                     self._faults.add(f"{topic}: {read_as}")
-                found[number] = Topic(topic, kind)
+                found[number], self._classes[topic] = topic, kind
             except Unreadable as error:
                 self._faults.add(f"{topic}: left out: {error}")
         return found

@@ -7,14 +7,13 @@ import math
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NoReturn, cast
-
-from rclpy.serialization import deserialize_message
 
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.handover import CONSOLE_SOCKET, STOP
+from archo_tui.recordings.replay.bag import Encoded
 from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo, TopicEnd, TopicInfo
@@ -50,7 +49,6 @@ class RecordedTopicFollower:
         self._shown = 0.0  # The position of the last view.
         self._intake = MessageIntake()
         self._watch: TopicWatch | None = None  # None before the first view.
-        self._message_class: Any = None
 
     async def run(self) -> NoReturn:
         """Show a view five times a second, less often if decoding takes long; never return."""
@@ -73,34 +71,28 @@ class RecordedTopicFollower:
         self, request: TopicRequest, now: float, snapshot: Snapshot
     ) -> tuple[TopicView, float]:
         """Return the view, and the processor time in seconds that it took. It may read the bag."""
-        begun, watch = time.thread_time(), self._watch
+        begun, watch, bag = time.thread_time(), self._watch, self._player.bag
+        messages: list[Encoded] = []
         if watch is None or not 0 <= now - self._shown <= SPAN:
             self._intake, self._fault = MessageIntake(), ""
             units = field_units(snapshot.file, snapshot.full, self._topic, self._kind)
             watch = self._watch = TopicWatch(
-                self._topic, self._kind, units, self._intake, self._decode
+                self._topic, self._kind, units, self._intake, partial(bag.decode, self._topic)
             )
             starts = [now - span for span in _SPANS]
         else:
             starts = [math.nextafter(self._shown, now)] if now > self._shown else []
         for start in starts:
-            read, faults = self._player.bag.encoded_messages(start, now, self._topic)
-            self._fault = next(iter(faults.lines()), self._fault)
-            if not read.is_cut:
+            messages, is_cut, faults = bag.encoded_messages(start, now, self._topic)
+            self._fault = next(iter(faults), self._fault)
+            if not is_cut:
                 break
-        for message in read.messages if starts else ():
-            self._message_class = message.topic.message_class
-            self._intake.add(message.time / 1e9, message.data)
+        for message_time, _, data in messages:
+            self._intake.add(message_time / 1e9, data)
         self._shown = now
         view = watch.update(now, request)
         view = view._replace(fault=view.fault or self._fault)
         return view, time.thread_time() - begun
-
-    def _decode(self, data: bytes) -> Any:
-        try:
-            return deserialize_message(data, self._message_class)
-        except Exception as error:  # Message classes check their values, too.
-            raise ArchoError(f"not readable: {in_one_line(error)}") from None
 
 
 def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
