@@ -66,7 +66,7 @@ EMPTY, MOVES = STATES["battery empty"], STATES["motor moving"]
 assert EMPTY.file.battery is not None
 DRIVES_ON = replace(EMPTY.file, battery=replace(EMPTY.file.battery, empty_refuses_moves=False))
 LOST_GOAL = MOVING._replace(phase=Phase.LOST, heard=NOW - 6)
-LONG_AGO = {"battery": BATTERY._replace(health="warning", received=NOW - 60)}
+LONG_AGO: dict[str, Any] = {"battery": BATTERY._replace(health="warning", received=NOW - 60)}
 LONG_AGO["motion"] = replace(MOTOR, stopped=True, received=NOW - 60)
 IN_A_FRAME = replace(NORMAL.file, frames=(FrameRule("base_link"),))
 CONDITIONS: dict[str, tuple[Snapshot, dict[str, str]]] = {
