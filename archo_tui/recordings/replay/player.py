@@ -8,6 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from math import floor
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +19,6 @@ from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.state import (
-    MAX_SILENCE,
     ROSOUT,
     Checkpoint,
     ReplayState,
@@ -27,7 +27,8 @@ from archo_tui.robot.state.events import OWN_LEVELS
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.alarms import Alarm, AlarmBoard, AlarmState
+from archo_tui.station.conditions import Situation, conditions
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.text.event import event_text
@@ -35,6 +36,7 @@ from archo_tui.text.event import event_text
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 _SPAN = 3600.0  # Seconds in memory.
 _CHECKPOINT_EVERY = 250  # Messages.
+_MAX_SILENCE = 3600  # Seconds without a message that are looked at.
 _FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 
 
@@ -61,9 +63,11 @@ class _Window:
         self._times: list[float] = []
         self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
         self._is_cut = False  # True if there were too many messages for one window.
-        self._last_time = begin  # Of the last `advance`.
         self._second = begin  # That is looked at next.
         self._active = frozenset[str]()  # The names of the alarms that were not over then.
+        # The alarms of each second in which no console has recorded its own.
+        self._board = AlarmBoard()
+        self._alarms: list[tuple[float, tuple[Alarm, ...]]] = [(begin, ())]
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
         """Take all messages, their marks and trends; yield every few hundred: one may give up."""
@@ -87,20 +91,31 @@ class _Window:
                 self.marks.append(TimelineMark(message.time, text, event_text(event)))
             self._messages.append(message)
             self._times.append(message.time)
-        # A goal may have ended in the last part of a second.
-        self.history.observe(state.snapshot, self.end)
         if self._is_cut and self._times:  # The next window reads the rest.
             self.end = self._times[-1]
+        self._pass_seconds(state, self.end)
+        # A goal may have ended in the last part of a second.
+        self.history.observe(state.snapshot, self.end)
         self.is_complete = True
 
     def _pass_seconds(self, state: ReplayState, until: float) -> None:
         """Look at history and alarms as the console did, each second, in a silence for an hour."""
         seconds = range(max(floor(until - self._second) + 1, 0))
-        for number in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
+        for number in (*seconds[:_MAX_SILENCE], *seconds[_MAX_SILENCE:][-1:]):
             now, snapshot = self._second + number, state.snapshot
             self.history.observe(snapshot, now)
-            self._mark_alarms(state.alarms(snapshot, now), now)
+            if not state.has_console_state:
+                found = conditions(Situation(snapshot, now))
+                self._board.update(found.texts, now, now, unknown=found.unknown)
+                self._alarms.append((now, self._board.all()))
+            self._mark_alarms(state.alarms(snapshot, now, self._board.all()), now)
         self._second += len(seconds)
+
+    def alarms_at(self, time: float) -> tuple[Alarm, ...]:
+        """Return the alarms that a console would have raised by then; none if not read yet."""
+        if not self.covers(time):
+            return ()
+        return self._alarms[max(bisect_right(self._alarms, time, key=itemgetter(0)) - 1, 0)][1]
 
     def _mark_alarms(self, alarms: tuple[Alarm, ...], now: float) -> None:
         active = {alarm.name: alarm for alarm in alarms if not alarm.is_over}
@@ -129,9 +144,7 @@ class _Window:
     def advance(self, state: ReplayState, time: float) -> None:
         """Bring a state, always the same one, to a time that `covers` has."""
         count = bisect_right(self._times, time)
-        # Backwards, alarms evaluated during a later silence must be undone.
-        is_back, self._last_time = time < self._last_time, time
-        if is_back or not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
+        if not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
             nearest = min(count // _CHECKPOINT_EVERY, len(self._checkpoints) - 1)
             state.restore(self._checkpoints[nearest])
             self._applied = nearest * _CHECKPOINT_EVERY
@@ -164,7 +177,7 @@ class Player:
         self._base, self._base_time = self.start, clock.monotonic()
         self._last_position = self._base  # The position at the last refresh.
         self._state = self._new_state()
-        self._window = _Window(self.start, self.start + _SPAN)
+        self._window = _Window(self.start, min(self.start + _SPAN, self.end))
         self._start_reading(self._window)
 
     def _new_state(self) -> ReplayState:
@@ -200,7 +213,7 @@ class Player:
             span = self._window.end - self._window.begin
             begin = max(self._base - span / 2, self.start)
             self._state = self._new_state()
-            self._window = _Window(begin, begin + _SPAN)
+            self._window = _Window(begin, min(begin + _SPAN, self.end))
             self._start_reading(self._window)
 
     def close(self) -> None:
@@ -302,7 +315,7 @@ class Player:
             console.engine,
             snapshot.namespace,
             self._window.history,
-            state.alarms(snapshot, now),
+            state.alarms(snapshot, now, self._window.alarms_at(now)),
             console.hosted,
             watching=True,
             queue=tuple(goal._replace(kind=state.goal_kind(goal.kind)) for goal in console.queue),

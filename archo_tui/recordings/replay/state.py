@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import copy
-from math import floor
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -31,11 +30,10 @@ from archo_tui.robot.state.graph import (
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
-from archo_tui.station.alarms import Alarm, AlarmBoard
+from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import Situation, conditions
 
 ROSOUT = "/rosout"
-MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
 _MAX_GOALS = 100  # Whose last feedback is kept.
 _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
 
@@ -92,10 +90,7 @@ class _RecordingClock(Clock):
 
 
 # What changes as messages are applied: of the state, and of its telemetry.
-_CHANGING = (
-    *("goal", "_state_json", "_feedback", "_log", "_message_rates", "_logged"),
-    *("_board", "_evaluated_until"),
-)
+_CHANGING = (*("goal", "_state_json", "_feedback", "_log", "_message_rates", "_logged"),)
 _READINGS = ("battery", "motion", "pose", "gauges", "diagnostics", "charge", "periods")
 Checkpoint = tuple[Mapping[str, Any], Mapping[str, Any]]
 
@@ -104,7 +99,7 @@ def _copied(value: Any) -> Any:
     """Return a copy that changes independently; the frozen values in it are shared."""
     if isinstance(value, dict):
         return value.copy()
-    if isinstance(value, (EventLog, LineCounter, AlarmBoard, Diagnostics)):
+    if isinstance(value, (EventLog, LineCounter, Diagnostics)):
         made = copy(value)
         vars(made).update({name: _copied(part) for name, part in vars(value).items()})
         return made
@@ -138,7 +133,6 @@ class ReplayState:
         self.last_event: Event | None = None  # Of the last applied log line.
         self._message_rates: dict[str, MessageRate] = {}  # Of each topic, by its full name.
         self._logged: dict[str, float] = {}  # When nodes logged last, by name.
-        self._board, self._evaluated_until = AlarmBoard(), 0.0
 
     @property
     def has_console_state(self) -> bool:
@@ -168,7 +162,6 @@ class ReplayState:
 
     def apply(self, time: float, topic: str, message: Any) -> None:
         """Apply the next message; a hostile one may raise any exception."""
-        self._evaluate_alarms_until(time)
         self._clock.time = time
         if topic == STATE:
             self._apply_state(from_json(message.data))
@@ -181,18 +174,6 @@ class ReplayState:
             self._on_feedback(bytes(message.goal_id.uuid).hex(), message.feedback)
         elif topic in self._topics.callbacks:
             self._topics.callbacks[topic](message)
-
-    def _evaluate_alarms_until(self, time: float) -> None:
-        """Evaluate the alarms of each second, but of a long silence only the first and the last."""
-        if self.has_console_state:
-            return
-        first = floor(self._evaluated_until) + 1 if self._evaluated_until else floor(time)
-        seconds = range(first, floor(time) + 1)
-        # A silence raises its alarms in the first seconds, however long it is.
-        for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
-            now = self._evaluated_until = float(second)
-            found = conditions(Situation(self.snapshot, now))
-            self._board.update(found.texts, now, now, unknown=found.unknown)
 
     def _apply_state(self, state: ConsoleState) -> None:
         for alarm in state.alarms:
@@ -292,12 +273,13 @@ class ReplayState:
             for n in state.nodes
         )
 
-    def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Return the recorded alarms; without a console state evaluate them, which changes it."""
-        found = conditions(Situation(snapshot, now, self.console.hosted)).texts
-        self._evaluate_alarms_until(now)
-        alarms = self.console.alarms if self.has_console_state else self._board.all()
+    def alarms(
+        self, snapshot: Snapshot, now: float, evaluated: tuple[Alarm, ...]
+    ) -> tuple[Alarm, ...]:
+        """Return the recorded alarms, else those evaluated, with their texts at a Unix time."""
+        texts = conditions(Situation(snapshot, now, self.console.hosted)).texts
+        alarms = self.console.alarms if self.has_console_state else evaluated
         return tuple(
-            alarm if alarm.is_over else alarm._replace(text=found.get(alarm.name, alarm.text))
+            alarm if alarm.is_over else alarm._replace(text=texts.get(alarm.name, alarm.text))
             for alarm in alarms
         )
