@@ -1,9 +1,9 @@
 """The alarms, one entry each: what is fixed about it, when it holds, and with which words.
 
-A condition is a pure function over a Situation. It yields what the alarm is about (a node, a topic,
-a part; "" for the robot) and a text: what is the case, and behind a colon what to do. None in place
-of the text says that nothing is known of it now: an alarm that stands is then the last that was
-known.
+A condition is a pure function over a Situation. It yields a text: what is the case, and behind a
+colon what to do; before it stands what it is about (a node, a topic, a part) if not the robot. None
+in place of the text says that nothing is known of it now: an alarm that stands is then the last
+that was known.
 
 A further alarm is a function here, and a row of docs/alarms.md.
 """
@@ -24,7 +24,7 @@ from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLe
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file.model import TopicRule
 
-Found = Iterator[tuple[str, str | None]]
+Found = Iterator[str | tuple[str, str | None] | None]
 
 _ANSWER_TIME = 1.0  # Seconds that a STOP may take before it is an alarm.
 _MOST_OFFSETS = 3  # Clocks that are named.
@@ -148,9 +148,9 @@ def moves_after_stop(seen: Situation) -> Found:
     runs = seen.snapshot.still_running_after_stop
     if runs:
         word = "RUNS" if len(runs) == 1 else "RUN"
-        yield "", f"STOP WAS ANSWERED, BUT {', '.join(runs)} STILL {word}: use the hardware stop"
+        yield f"STOP WAS ANSWERED, BUT {', '.join(runs)} STILL {word}: use the hardware stop"
     elif _moves_after_stop(seen.snapshot, seen.now):
-        yield "", "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
+        yield "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
@@ -167,7 +167,7 @@ def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
 def stop_unconfirmed(seen: Situation) -> Found:
     stop, now = seen.snapshot.open_stop, seen.now
     if stop is not None and (stop.answer != StopAnswer.AWAITED or now - stop.asked >= _ANSWER_TIME):
-        yield "", f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
+        yield f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
 
 
 @_alarm("stop not certain", _HIGH, delay=1.0)
@@ -178,7 +178,7 @@ def stop_uncertain(seen: Situation) -> Found:
         if snapshot.stop_held_by_nobody:
             remedy = "every node that held it has ended here: release it"
         at = time_of_day(snapshot.latch_time)[:-3]
-        yield "", f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
+        yield f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
 
 
 @_alarm("several stops", _HIGH, delay=2.0)
@@ -187,16 +187,15 @@ def several_stop_servers(seen: Situation) -> Found:
     nodes = () if served is None else seen.snapshot.duplicate_servers.get(served.service, ())
     if served is not None and nodes:
         yield (
-            "",
             f"{len(nodes)} NODES SERVE {served.service}: {', '.join(nodes)}: STOP must be "
-            "confirmed by all of them; keep the hardware stop at hand",
+            "confirmed by all of them; keep the hardware stop at hand"
         )
 
 
 @_alarm(STOPPED, _MED, is_reported=True, remedy=Remedy("release", ", then {} to release"))
 def stopped(seen: Situation) -> Found:
     if seen.snapshot.is_at_rest:
-        yield "", "STOPPED: look for the cause"
+        yield "STOPPED: look for the cause"
 
 
 def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
@@ -224,18 +223,18 @@ def contact_lost(seen: Situation) -> Found:
     if seen.contact_is_lost:
         battery, motion = seen.snapshot.battery, seen.snapshot.motion
         last = max(battery.received or 0.0, motion.received or 0.0)
-        yield "", f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
+        yield f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
 
 
 @_alarm(BATTERY_EMPTY, _HIGH, delay=2.0, is_reported=True, holds=Holds.UNTIL_ACKNOWLEDGED)
 def battery_empty(seen: Situation) -> Found:
     battery, described = seen.snapshot.battery, seen.snapshot.file.battery
     if battery.percentage is None or battery.is_old(seen.now):
-        yield "", None
+        yield None
     elif battery.percentage <= 0.0:
         refuses = described is not None and described.empty_refuses_moves
         more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
-        yield "", f"BATTERY EMPTY: {more}"
+        yield f"BATTERY EMPTY: {more}"
 
 
 @_alarm(
@@ -250,26 +249,26 @@ def battery_empty(seen: Situation) -> Found:
 def low_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if battery.is_old(seen.now) or (battery.percentage is None and not battery.charging):
-        yield "", None
+        yield None
     elif battery.percentage is None or battery.percentage <= 0.0 or battery.charging:
         return
     elif is_battery_low(seen.snapshot):
         is_moving = seen.snapshot.running_goal is not None
         dock = "dock the robot when this move is done" if is_moving else "dock the robot"
-        yield "", f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+        yield f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
 
 
 @_alarm("battery health", _MED, delay=2.0, is_reported=True)
 def unhealthy_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if not battery.health or battery.is_old(seen.now):
-        yield "", None
+        yield None
         return
     meaning = battery_health(seen.snapshot)
     if not meaning:
-        yield "", f"BATTERY HEALTH {battery.health}: the console does not know this word"
+        yield f"BATTERY HEALTH {battery.health}: the console does not know this word"
     elif meaning == "replace":
-        yield "", f"BATTERY HEALTH {battery.health}: have the battery replaced"
+        yield f"BATTERY HEALTH {battery.health}: have the battery replaced"
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:
@@ -292,9 +291,8 @@ def motor_silent(seen: Situation) -> Found:
     if motion.received is not None and motion.is_old(seen.now) and is_moving:
         topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
         yield (
-            "",
             f"{topic} silent for {seen.now - motion.received:.0f} s while moving: "
-            "the robot may still be driving",
+            "the robot may still be driving"
         )
 
 
@@ -303,9 +301,8 @@ def goal_silent(seen: Situation) -> Found:
     goal = seen.snapshot.running_goal
     if goal is not None and goal.phase == Phase.LOST and not any(motor_silent(seen)):
         yield (
-            "",
             f"NO WORD FROM {goal.kind.title.upper()} for "
-            f"{seen.now - (goal.heard or goal.sent):.0f} s: the robot may still be driving",
+            f"{seen.now - (goal.heard or goal.sent):.0f} s: the robot may still be driving"
         )
 
 
@@ -480,9 +477,9 @@ def no_nodes(seen: Situation) -> Found:
     if not seen.unseen or seen.hosted or snapshot.nodes or snapshot.other_namespaces:
         return
     if not seen.has_reports:
-        yield "", f"NO NODES {seen.unseen}"
+        yield f"NO NODES {seen.unseen}"
     elif not seen.contact_is_lost:  # rmw_fastrtps may not get the names again behind a cut.
-        yield "", "NO NODE NAMES, though the robot is heard: start this console again"
+        yield "NO NODE NAMES, though the robot is heard: start this console again"
 
 
 @_alarm("no clock", _MED, delay=5.0)
@@ -491,9 +488,8 @@ def no_clock(seen: Situation) -> Found:
     waiting = ", ".join(snapshot.simulated_nodes)
     if waiting and not snapshot.has_clock:
         yield (
-            "",
             f"NO CLOCK for {waiting}: use_sim_time is true and nobody publishes /clock: "
-            "start the simulator, or set it to false",
+            "start the simulator, or set it to false"
         )
 
 
@@ -506,7 +502,7 @@ def clocks_differ(seen: Situation) -> Found:
             for source, offset in offsets[:_MOST_OFFSETS]
         )
         more = ", ..." if len(offsets) > _MOST_OFFSETS else ""
-        yield "", f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
+        yield f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
 
 
 @_alarm("earlier stop", _LOW, remedy=Remedy("release", ": {} to release"))
@@ -515,22 +511,21 @@ def earlier_stop(seen: Situation) -> Found:
     is_known = seen.snapshot.released is not None or seen.snapshot.is_stopped
     if at is not None and not (is_known or motion.stopped is not None or motion.moving):
         yield (
-            "",
             f"STOP OF {time_of_day(at)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
-            "the robot may still be stopped",
+            "the robot may still be stopped"
         )
 
 
 @_alarm("journal not written", _LOW)
 def journal_not_written(seen: Situation) -> Found:
     if seen.journal_failure:
-        yield "", f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
+        yield f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
 
 
 @_alarm("recordings", _LOW)
 def recording_trouble(seen: Situation) -> Found:
     if seen.recorder_trouble:
-        yield "", seen.recorder_trouble
+        yield seen.recorder_trouble
 
 
 # All of them.
@@ -564,7 +559,8 @@ def conditions(seen: Situation) -> Conditions:
     texts, unknown = dict[str, str](), set[str]()
     for kind in KINDS:
         is_left_out = is_lost and kind.is_reported and not kind.has_own_topic
-        for subject, text in () if is_left_out else kind.condition(seen):
+        for found in () if is_left_out else kind.condition(seen):
+            subject, text = found if isinstance(found, tuple) else ("", found)
             name = f"{kind.name} {subject}" if subject else kind.name
             if text is None:
                 unknown.add(name)
