@@ -37,7 +37,7 @@ def _names(given: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class SavedNames:
-    """What the user's file holds of one robot, by names."""
+    """The places and lists of one robot in the user's file, by names."""
 
     places: Annotated[Mapping[str, SavedGoal], "one goal each", _names] = field(
         default_factory=dict

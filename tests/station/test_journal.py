@@ -34,7 +34,7 @@ def entries(file: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
 
 
-def test_an_entry_is_one_line_that_says_when_who_and_what_and_nobody_else_reads(
+def test_an_entry_is_one_line_that_only_its_user_reads(
     tmp_path: Path,
 ) -> None:
     file = tmp_path / "new" / "journal.jsonl"
