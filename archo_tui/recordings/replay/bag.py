@@ -110,9 +110,8 @@ _SUFFIX = ".mcap"
 _SQLITE = "an SQLite bag: `ros2 bag convert` makes an MCAP of it"
 _ZSTD = "compressed as a whole: unpack it (zstd -d FILE) and give what comes out"
 _ROS1 = "a ROS 1 bag: `rosbags-convert` makes a ROS 2 bag of it"
-# Advice by the suffix and by the first bytes of a file.
-_OTHER_SUFFIXES = {".db3": _SQLITE, ".mcap.zstd": _ZSTD, ".db3.zstd": _ZSTD, ".bag": _ROS1}
-_OTHER_MAGIC = {b"SQLite format 3": _SQLITE, b"\x28\xb5\x2f\xfd": _ZSTD, b"#ROSBAG": _ROS1}
+# Advice by the suffix of a file.
+_OTHERS = {".db3": _SQLITE, ".mcap.zstd": _ZSTD, ".db3.zstd": _ZSTD, ".bag": _ROS1}
 
 
 class Faults:
@@ -314,10 +313,13 @@ def _mcap_files(path: Path) -> list[Path]:
     found = [path / name for name in names if name.endswith(_SUFFIX) and name[0] != "."]
     if found:
         return found
-    for suffix, advice in _OTHER_SUFFIXES.items():
-        if any(name.endswith(suffix) for name in names):
-            raise _error(path, advice)
-    raise _error(path, "no .mcap file is in it: give the folder of a bag")
+    raise _error(path, _advice(*names) or "no .mcap file is in it: give the folder of a bag")
+
+
+def _advice(*names: str) -> str:
+    """Return how to read a file of another format; "" if none of the names is one's."""
+    found = (advice for suffix, advice in _OTHERS.items() if any(n.endswith(suffix) for n in names))
+    return next(found, "")
 
 
 @contextmanager
@@ -331,25 +333,15 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
         raise _error(path, _reason(error)) from None
     with open(descriptor, "rb") as file:
         try:
-            begin = file.read(16)
+            begin = file.read(len(MAGIC))
         except OSError as error:
             raise _error(path, _reason(error)) from None
-        if not begin.startswith(MAGIC):
-            raise _error(path, _other_format(begin))
+        if not begin:
+            raise _error(path, "it is empty: nothing was recorded in it")
+        if begin != MAGIC:
+            none = "not a bag: give a .mcap file, or a folder with some"
+            raise _error(path, _advice(path.name) or none)
         yield file
-
-
-def _other_format(begin: bytes) -> str:
-    if not begin:
-        return "it is empty: nothing was recorded in it"
-    for magic, advice in _OTHER_MAGIC.items():
-        if begin.startswith(magic):
-            return advice
-    if begin[:5] == MAGIC[:5] and begin[6:8] == MAGIC[6:]:
-        return "MCAP of another version: `mcap recover` may read it"
-    if MAGIC.startswith(begin):
-        return "cut off in its first bytes: nothing of it can be read"
-    return "not a bag: give a .mcap file, or a folder with some"
 
 
 def _reason(error: OSError | ValueError) -> str:

@@ -233,16 +233,13 @@ class Index:
     def _look_into(self, chunk: Part) -> None:
         """Take in what a chunk holds; what stands before damage counts."""
         start, end, count = 2**64, 0, 0
-        data = _read_part(self._file, chunk, self._budget)
         try:
-            for opcode, at, length, _ in _records(BytesIO(data), 0, len(data), self._budget):
-                if opcode == _CUT:
-                    raise Unreadable
-                if opcode == _MESSAGE and length >= _MESSAGE_HEAD.size:
-                    time = _MESSAGE_HEAD.unpack_from(data, at)[2]
+            for opcode, content in _records_of(self._file, chunk, self._budget):
+                if opcode == _MESSAGE:
+                    time = _MESSAGE_HEAD.unpack_from(content)[2]
                     start, end, count = min(start, time), max(end, time), count + 1
                 elif opcode in (_SCHEMA, _CHANNEL):
-                    self._parse(opcode, data[at : at + length])
+                    self._parse(opcode, bytes(content))
         finally:
             if count:
                 self._add_part(chunk._replace(start=start, end=end), count)
@@ -264,14 +261,21 @@ def messages_of(
     file: BinaryIO, part: Part, channels: Mapping[int, object], budget: Budget
 ) -> Iterator[tuple[int, int, bytes]]:
     """Yield channel, log time and content of messages; raise Unreadable where the damage begins."""
+    for opcode, content in _records_of(file, part, budget):
+        if opcode == _MESSAGE:
+            channel, _, time, _ = _MESSAGE_HEAD.unpack_from(content)
+            if channel in channels:
+                yield channel, time, bytes(content[_MESSAGE_HEAD.size :])
+
+
+def _records_of(file: BinaryIO, part: Part, budget: Budget) -> Iterator[tuple[int, memoryview]]:
+    """Yield opcode and content of each record in a part; raise Unreadable where damage begins."""
     data = _read_part(file, part, budget)
+    view = memoryview(data)
     for opcode, offset, length, _ in _records(BytesIO(data), 0, len(data), budget):
         if opcode == _CUT or (opcode == _MESSAGE and length < _MESSAGE_HEAD.size):
             raise Unreadable
-        if opcode == _MESSAGE:
-            channel, _, time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
-            if channel in channels:
-                yield channel, time, data[offset + _MESSAGE_HEAD.size : offset + length]
+        yield opcode, view[offset : offset + length]
 
 
 def _records(file: BinaryIO, offset: int, end: int, budget: Budget) -> Iterator[_Record]:
