@@ -177,6 +177,22 @@ def test_a_robot_that_does_not_report_its_stop_is_stopped_in_a_replay_too(here: 
     assert plain_text(motion_word(state.snapshot, SINCE + 1.2, 80)) == "✗ STOPPED"
 
 
+@pytest.mark.parametrize(
+    ("recorded", "namespace"),
+    [
+        (["/spare/battery_level", "/battery_level"], "/"),
+        (["/a/spare/battery_level", "/a/battery_level", "/a/motor_status"], "/a"),
+        (["/a/move_to_shelf/_action/feedback"], "/a"),
+        (["/chatter"], "/"),
+    ],
+)
+def test_the_robot_is_in_the_namespace_of_most_of_its_topics(
+    recorded: list[str], namespace: str
+) -> None:
+    state = ReplayState(ARCHO, dict.fromkeys(recorded, "x/msg/Y"))
+    assert state.snapshot.namespace == namespace
+
+
 TWO_KINDS = """
 version: 1
 name: Base

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from copy import copy
 from types import SimpleNamespace
@@ -67,12 +68,18 @@ class RecordedTopics:
 
 
 def _namespace_of(types: Mapping[str, str], robot: RobotFile) -> str:
-    own = [*robot.shown_topics, *(_feedback_topic(kind) for kind in robot.goals)]
-    for topic in own:
-        for name in types:
-            if not topic.startswith("/") and name.endswith(f"/{topic}"):
-                return name[: -len(topic) - 1] or "/"
-    return "/"
+    """Return the namespace in which most of the robot file's topics are; of several the shortest.
+
+    It is `/` if none was recorded.
+    """
+    own = [*robot.shown_topics, *map(_feedback_topic, robot.goals)]
+    found = Counter(
+        name[: -len(topic) - 1] or "/"
+        for topic in own
+        for name in types
+        if not topic.startswith("/") and name.endswith(f"/{topic}")
+    )
+    return max(found, key=lambda namespace: (found[namespace], -len(namespace)), default="/")
 
 
 def _feedback_topic(kind: GoalKind) -> str:
