@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from archo_tui.robot_file.reserved import RESERVED
 from archo_tui.ros_names import is_name, parse_type
@@ -114,6 +114,15 @@ def _duplicates(entries: Iterable[tuple[str, str, str]]) -> Faults:
         used.add(word)
 
 
+# What several entries have.
+T = TypeVar("T")
+TopicName = Annotated[str, "the topic's name", _name]
+FieldsByType = Annotated[
+    Mapping[str, T], "the fields, by message type; a topic of another type is not used", _types
+]
+Period = Annotated[float | None, "s between two messages; measured when left out", _PERIOD]
+
+
 # The entries.
 
 
@@ -192,12 +201,8 @@ class MotionFields:
 class BatteryTopic:
     """The topic that reports the charge."""
 
-    topic: Annotated[str, "the topic's name", _name]
-    types: Annotated[
-        Mapping[str, BatteryFields],
-        "the fields, by message type; a topic of another type is not used",
-        _types,
-    ]
+    topic: TopicName
+    types: FieldsByType[BatteryFields]
     low: Annotated[
         Limit,
         "%; a charge below it is low; or a parameter: `{node, parameter, otherwise}`",
@@ -209,9 +214,7 @@ class BatteryTopic:
     empty_refuses_moves: Annotated[
         bool, "true: at 0 % the robot refuses moves, which the alarm `battery empty` then says"
     ] = False
-    period: Annotated[float | None, "s between two messages; measured when left out", _PERIOD] = (
-        None
-    )
+    period: Period = None
     where: str = _where()
 
 
@@ -219,21 +222,15 @@ class BatteryTopic:
 class MotionTopic:
     """The topic that reports how the robot moves."""
 
-    topic: Annotated[str, "the topic's name", _name]
-    types: Annotated[
-        Mapping[str, MotionFields],
-        "the fields, by message type; a topic of another type is not used",
-        _types,
-    ]
+    topic: TopicName
+    types: FieldsByType[MotionFields]
     title: Annotated[str, "the title of the panel"] = "Motion"
     time_factor: Annotated[
         ParameterRef | None,
         "for a simulation: how many simulated seconds pass in a real one; "
         "`x 7.5` stands beside the speed and the time left",
     ] = None
-    period: Annotated[float | None, "s between two messages; measured when left out", _PERIOD] = (
-        None
-    )
+    period: Period = None
     where: str = _where()
 
     @property
@@ -258,15 +255,9 @@ class PoseFields:
 class PoseTopic:
     """The topic that reports where the robot is."""
 
-    topic: Annotated[str, "the topic's name", _name]
-    types: Annotated[
-        Mapping[str, PoseFields],
-        "the fields, by message type; a topic of another type is not used",
-        _types,
-    ]
-    period: Annotated[float | None, "s between two messages; measured when left out", _PERIOD] = (
-        None
-    )
+    topic: TopicName
+    types: FieldsByType[PoseFields]
+    period: Period = None
     where: str = _where()
 
 
@@ -430,7 +421,7 @@ class Gauge:
     """A further number that the robot reports."""
 
     title: Annotated[str, "what it is called on the screen", _title]
-    topic: Annotated[str, "the topic's name", _name]
+    topic: TopicName
     type: Annotated[str, "its type: `package/msg/Name`", _MESSAGE]
     field: Annotated[MessageField, "where the number stands"]
     unit: Annotated[str, "what is shown behind it"] = ""
@@ -459,7 +450,7 @@ class Place:
 class TopicRule:
     """A topic, as far as the file knows it."""
 
-    topic: Annotated[str, "the topic's name", _name]
+    topic: TopicName
     # The graph cannot tell whether a message sets the robot in motion, so the file says it.
     moves: Annotated[bool, "false: what is published there never sets the robot in motion"] = True
     rate: Annotated[
