@@ -327,31 +327,18 @@ def node_crashed(seen: Situation) -> Found:
 # Diagnostics: an error and a warning of one part are two alarms, of which the error counts.
 
 
-@_alarm(
-    DIAGNOSTIC_ERROR,
-    _HIGH,
-    delay=2.0,
-    off_delay=2.0,
-    is_reported=True,
-    has_own_topic=True,
-    has_text=True,
-)
+_OF_A_PART = {"is_reported": True, "has_own_topic": True, "has_text": True}
+_MAY_FLAP = {"delay": 2.0, "off_delay": 2.0}
+
+
+@_alarm(DIAGNOSTIC_ERROR, _HIGH, **_MAY_FLAP, **_OF_A_PART)
 def diagnostic_error(seen: Situation) -> Found:
     for status, text in _bad_parts(seen):
         if status.level is DiagnosticLevel.ERROR:
             yield _part_name(status.part), text
 
 
-@_alarm(
-    DIAGNOSTIC_WARNING,
-    _MED,
-    delay=2.0,
-    off_delay=2.0,
-    graver=DIAGNOSTIC_ERROR,
-    is_reported=True,
-    has_own_topic=True,
-    has_text=True,
-)
+@_alarm(DIAGNOSTIC_WARNING, _MED, graver=DIAGNOSTIC_ERROR, **_MAY_FLAP, **_OF_A_PART)
 def diagnostic_warning(seen: Situation) -> Found:
     bad, parts, topic = seen.bad_parts, _bad_parts(seen), seen.snapshot.file.diagnostics
     if bad and not parts:  # All are silent.
@@ -402,26 +389,22 @@ def topic_silent(seen: Situation) -> Found:
 
 @_alarm("topic slow", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_slow(seen: Situation) -> Found:
-    for topic, rule, hertz, due in _heard(seen):
-        if hertz < due * (1 - rule.tolerance):
-            share = f"{rule.tolerance:.0%}"
-            yield topic, f"{topic} IS TOO SLOW, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+    yield from _beyond(seen, "SLOW", lambda share, tolerance: share < 1 - tolerance)
 
 
 @_alarm("topic fast", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_fast(seen: Situation) -> Found:
-    for topic, rule, hertz, due in _heard(seen):
-        if hertz > due * (1 + rule.tolerance):
-            share = f"{rule.tolerance:.0%}"
-            yield topic, f"{topic} IS TOO FAST, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+    yield from _beyond(seen, "FAST", lambda share, tolerance: share > 1 + tolerance)
 
 
-def _heard(seen: Situation) -> Iterator[tuple[str, TopicRule, float, float]]:
-    """Yield each topic that is not silent, with the measured and the expected rate in Hz."""
+def _beyond(seen: Situation, word: str, is_so: Callable[[float, float], bool]) -> Found:
     for topic, rule, rate in _rated(seen):
+        due = rule.rate or 0.0
         if rate is None or rate.hertz is None or seen.now - rate.heard > _silence(rule):
             continue
-        yield topic, rule, rate.hertz, rule.rate or 0.0
+        if is_so(rate.hertz / due, rule.tolerance):
+            wanted = f"expected {due:g} Hz, within {rule.tolerance:.0%}"
+            yield topic, f"{topic} IS TOO {word}, {rate.hertz:.1f} Hz: {wanted}"
 
 
 def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:
