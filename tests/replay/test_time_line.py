@@ -57,6 +57,7 @@ async def test_it_cannot_be_mistaken_for_the_robot_and_ends_at_once(drive: Path)
         await watcher.press("ctrl+c")
         assert "Nothing is selected. Press q to quit." in watcher.text
         await watcher.press("m")
+        await watcher.show(watcher.player.position + 0.5)  # The goal is sent by then.
         assert watcher.app.view.snapshot.running_goal is not None
         await watcher.press("q")
         assert watcher.app._exit
