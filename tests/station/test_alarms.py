@@ -19,11 +19,9 @@ from archo_tui.robot_file.model import FrameRule, TopicRule
 from archo_tui.station import conditions as every
 from archo_tui.station.alarms import (
     SHELF_TIME,
-    TRANSITIONS,
     AlarmBell,
     AlarmBoard,
     AlarmState,
-    Change,
     remedy_hints,
 )
 from archo_tui.station.conditions import (
@@ -221,28 +219,14 @@ def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
     assert said in shown(board)
 
 
-# the whole state machine: state, what happens, state afterwards (all else changes nothing)
-N, U, A = AlarmState.NORMAL, AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED
-O, S, R = AlarmState.RETURNED, AlarmState.SHELVED, AlarmState.REPLACED  # noqa: E741
-TABLE = {
-    N: {Change.RAISED: U},
-    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: R},
-    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: R},
-    O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
-    S: {Change.UNSHELVE: N},
-    R: {},
-}
-
-
-@pytest.mark.parametrize("state", AlarmState)
-@pytest.mark.parametrize("change", Change)
-def test_the_state_machine(state: AlarmState, change: Change) -> None:
-    assert TRANSITIONS.get((state, change), state) == TABLE[state].get(change, state)
-
-
 # Of each moment: what is found (or what the operator does), and what stands on the board then:
 # ! unacknowledged, = acknowledged, ~ over and unacknowledged, # shelved; ? as it was last known.
-SIGNS = {U: "!", A: "=", O: "~", S: "#"}
+SIGNS = {
+    AlarmState.UNACKNOWLEDGED: "!",
+    AlarmState.ACKNOWLEDGED: "=",
+    AlarmState.RETURNED: "~",
+    AlarmState.SHELVED: "#",
+}
 STORIES = {
     "an alarm is over and acknowledged before it goes": """
         0 stopped | !stopped
@@ -256,6 +240,7 @@ STORIES = {
         8 stopped | !stopped
         9 | ~stopped
         9 shelve | #stopped
+        9 ack | #stopped
         9 unshelve |""",
     "one that stands comes before a graver one that is over": """
         0 contact lost | !contact lost
@@ -377,21 +362,6 @@ def test_the_board_follows_what_is_found_and_done(story: str) -> None:
         assert {alarm.name for alarm in changed} == differ, step
 
 
-def reach(state: AlarmState) -> AlarmBoard:
-    """A board whose one alarm is in that state, by the way an operator gets there."""
-    board = AlarmBoard()
-    if state == AlarmState.NORMAL:
-        return board
-    board.update({STOPPED: "stop: look"}, 0, 100)
-    if state == AlarmState.ACKNOWLEDGED:
-        board.acknowledge(board.all()[0], 100)
-    if state == AlarmState.SHELVED:
-        board.shelve(board.all()[0], 0, 100)
-    if state == AlarmState.RETURNED:
-        board.update({}, 1, 101)
-    return board
-
-
 def shown(board: AlarmBoard) -> str:
     view = ScreenState(
         NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"ack": "a"}
@@ -450,7 +420,9 @@ def test_the_text_follows_without_a_new_alarm() -> None:
 
 @pytest.mark.parametrize("by", [-90_000, 90_000])
 def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> None:
-    board = reach(AlarmState.SHELVED)
+    board = AlarmBoard()
+    board.update({STOPPED: "stop: look"}, 0, 100)
+    board.shelve(board.all()[0], 0, 100)
     board.update({STOPPED: "stop"}, SHELF_TIME - 60, 100 + by + SHELF_TIME - 60)
     (shelved,) = board.all()
     assert shelved.state == AlarmState.SHELVED
