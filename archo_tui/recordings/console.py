@@ -114,21 +114,19 @@ def _to_string(view: View, first: bool, since: float) -> String:
     return String(data=to_json(view, since, with_events=first))
 
 
-def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
-    """Return the reasons to begin or prolong a recording: STOPs, grave alarms, failed goals."""
-    return [*_stop_reasons(before, now), *_alarm_reasons(changed), *_goal_reasons(before, now)]
-
-
-def _stop_reasons(before: View, now: View) -> Iterator[str]:
+def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> Iterator[str]:
+    """Yield the reasons to begin or prolong a recording: STOPs, grave alarms, failed goals."""
     old, new = before.snapshot, now.snapshot
     # A stop that the robot reported from the beginning on is not new.
     stops_now = new.motion.stopped and old.motion.received is not None and not old.motion.stopped
-    if (
-        stops_now
-        or (new.open_stop is not None and old.open_stop is None)
-        or _has_new_stop_event(old, new)
-    ):
+    is_sent = new.open_stop is not None and old.open_stop is None
+    if stops_now or is_sent or _has_new_stop_event(old, new):
         yield _STOP
+    yield from (alarm.name for alarm in changed if alarm.is_urgent)
+    known = max((goal.number for goal in old.history), default=0)
+    for goal in reversed(new.history):
+        if goal.number > known and _failed(goal):
+            yield f"{goal.name}: {goal.word.lower()}"
 
 
 def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
@@ -137,19 +135,6 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
     known = max((event.number for event in old.events), default=0)
     since = (event.audit_record for event in new.events if event.number > known)
     return any(record is not None and record.verb == "stop" for record in since)
-
-
-def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
-    for alarm in changed:
-        if alarm.is_urgent:
-            yield alarm.name
-
-
-def _goal_reasons(before: View, now: View) -> Iterator[str]:
-    known = max((goal.number for goal in before.snapshot.history), default=0)
-    for goal in reversed(now.snapshot.history):
-        if goal.number > known and _failed(goal):
-            yield f"{goal.name}: {goal.word.lower()}"
 
 
 def _failed(goal: Goal) -> bool:
