@@ -389,22 +389,26 @@ def topic_silent(seen: Situation) -> Found:
 
 @_alarm("topic slow", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_slow(seen: Situation) -> Found:
-    yield from _beyond(seen, "SLOW", lambda share, tolerance: share < 1 - tolerance)
+    for topic, hertz, due, within in _beyond(seen, lambda share, tolerance: share < 1 - tolerance):
+        yield topic, f"{topic} IS TOO SLOW, {hertz} Hz: expected {due:g} Hz, within {within}"
 
 
 @_alarm("topic fast", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_fast(seen: Situation) -> Found:
-    yield from _beyond(seen, "FAST", lambda share, tolerance: share > 1 + tolerance)
+    for topic, hertz, due, within in _beyond(seen, lambda share, tolerance: share > 1 + tolerance):
+        yield topic, f"{topic} IS TOO FAST, {hertz} Hz: expected {due:g} Hz, within {within}"
 
 
-def _beyond(seen: Situation, word: str, is_so: Callable[[float, float], bool]) -> Found:
+def _beyond(
+    seen: Situation, is_so: Callable[[float, float], bool]
+) -> Iterator[tuple[str, str, float, str]]:
+    """Yield topics by their share of the expected rate, with both rates and the tolerance."""
     for topic, rule, rate in _rated(seen):
         due = rule.rate or 0.0
         if rate is None or rate.hertz is None or seen.now - rate.heard > _silence(rule):
             continue
         if is_so(rate.hertz / due, rule.tolerance):
-            wanted = f"expected {due:g} Hz, within {rule.tolerance:.0%}"
-            yield topic, f"{topic} IS TOO {word}, {rate.hertz:.1f} Hz: {wanted}"
+            yield topic, f"{rate.hertz:.1f}", due, f"{rule.tolerance:.0%}"
 
 
 def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:
