@@ -232,8 +232,7 @@ def _as_all_tests_want_it() -> None:
 
     # Style sheets and ARCHO's file are parsed once for all the apps.
     textual_once.share()
-    loaded = lru_cache(load._load)
-    load._load = lambda path: (loaded if path == load.default_path() else loaded.__wrapped__)(path)
+    load.parse = lru_cache(load.parse)
     # Screens are laid out, but nothing is drawn to a terminal that nobody sees.
     Screen._compositor_refresh = draw_nothing  # type: ignore[assignment, method-assign]
     # The first picture is filled at once: `Console.ready` waits for the robot's nodes.

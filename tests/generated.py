@@ -85,7 +85,7 @@ def _record(kind: Any) -> dict[str, Any]:
         properties[name] = {"description": means, **_schema_of(value)}
         if value is str and not _is_needed(item):
             properties[name] = {"description": means, "anyOf": [_TEXT, _NONE]}
-        if item.metadata.get("filled"):
+        if model.filled in hints[name].__metadata__:
             properties[name]["minProperties"] = 1
     return {
         "description": _summary(kind),

@@ -50,17 +50,10 @@ class ReceivedMessage(NamedTuple):
 
 
 class BagWriter:
-    """A bag that grows on the disk; `finish` writes its `metadata.yaml`, `close` closes it.
-
-    Messages that cannot be encoded are counted in `left_out`; `first_error` tells why. Every method
-    but `close` raises OSError if the disk refuses it.
-    """
+    """A bag that grows on the disk; what cannot be encoded is counted in `left_out`."""
 
     def __init__(self, folder: Path, since: float = 0.0) -> None:
-        """Create the MCAP file in an empty folder, readable by its owner only.
-
-        `since` is what makes a Unix time of the time of each message, in s.
-        """
+        """Create the MCAP file; `since`, in s, makes a Unix time of the time of each message."""
         from mcap.writer import CompressionType, Writer  # Takes 0.1 s.
 
         from archo_tui.robot.node import serialize  # Of rclpy, which verbs do without.

@@ -70,10 +70,7 @@ class ConsoleRecorder:
             self._box.receive(JOURNAL, Log, LazyMessage(partial(_to_log, event), _EVENT_BYTES))
 
     def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record a view of which more than readings changed; tick the black box, or trigger it.
-
-        `changed` are the alarms whose state differs from the last call.
-        """
+        """Record a view of which more than readings changed; tick the black box, or trigger it."""
         key = change_key(view)
         if key != self._last_key or view.now - self._state_time > _MAX_STATE_AGE:
             self._last_key, self._state_time = key, view.now
@@ -85,11 +82,7 @@ class ConsoleRecorder:
         self._box.tick()
 
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Record the last minute and the next 5 s by hand; return that it has begun.
-
-        `written` gets the outcome on the event loop when it is on the disk, or could not be
-        written.
-        """
+        """Begin to record by hand; `written` gets the outcome on the event loop."""
         loop = None if written is None else asyncio.get_running_loop()
 
         def on_disk(name: str, failure: str) -> None:
@@ -121,43 +114,27 @@ def _to_string(view: View, first: bool, since: float) -> String:
     return String(data=to_json(view, since, with_events=first))
 
 
-def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
-    """Return the reasons to begin or prolong a recording: STOPs, grave alarms, failed goals."""
-    return [*_stop_reasons(before, now), *_alarm_reasons(changed), *_goal_reasons(before, now)]
-
-
-def _stop_reasons(before: View, now: View) -> Iterator[str]:
+def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> Iterator[str]:
+    """Yield the reasons to begin or prolong a recording: STOPs, grave alarms, failed goals."""
     old, new = before.snapshot, now.snapshot
     # A stop that the robot reported from the beginning on is not new.
     stops_now = new.motion.stopped and old.motion.received is not None and not old.motion.stopped
-    if (
-        stops_now
-        or (new.open_stop is not None and old.open_stop is None)
-        or _has_new_stop_event(old, new)
-    ):
+    is_sent = new.open_stop is not None and old.open_stop is None
+    if stops_now or is_sent or _has_new_stop_event(old, new):
         yield _STOP
+    yield from (alarm.name for alarm in changed if alarm.is_urgent)
+    known = max((goal.number for goal in old.history), default=0)
+    for goal in reversed(new.history):
+        if goal.number > known and _failed(goal):
+            yield f"{goal.name}: {goal.word.lower()}"
 
 
 def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
-    """Return True if an event that `old` lacks tells of a STOP, which may be over by now."""
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)
     since = (event.audit_record for event in new.events if event.number > known)
     return any(record is not None and record.verb == "stop" for record in since)
-
-
-def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
-    for alarm in changed:
-        if alarm.is_urgent:
-            yield alarm.name
-
-
-def _goal_reasons(before: View, now: View) -> Iterator[str]:
-    known = max((goal.number for goal in before.snapshot.history), default=0)
-    for goal in reversed(now.snapshot.history):
-        if goal.number > known and _failed(goal):
-            yield f"{goal.name}: {goal.word.lower()}"
 
 
 def _failed(goal: Goal) -> bool:
@@ -220,10 +197,7 @@ def change_key(view: View) -> tuple[object, ...]:
 
 
 def to_json(view: View, since: float, *, with_events: bool) -> str:
-    """Return a view's state, secrets masked; `since` is Unix minus monotonic time.
-
-    The events so far are in the first state of a recording only.
-    """
+    """Return a view's state, secrets masked; `since` is Unix minus monotonic time."""
     state = ConsoleState(*(getattr(view, name) for name in ConsoleState._fields))
     if not with_events:
         state = state._replace(snapshot=state.snapshot._replace(events=()))
@@ -232,15 +206,11 @@ def to_json(view: View, since: float, *, with_events: bool) -> str:
 
 
 def from_json(text: str) -> ConsoleState:
-    """Return the state that `to_json` wrote; a hostile text may raise anything.
-
-    Missing fields get their defaults, unknown ones are ignored. Texts become safe for a terminal.
-    """
+    """Return the state that `to_json` wrote, safe for a terminal; it may raise anything."""
     return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
 def _to_data(value: Any, kind: Any, since: float) -> Any:
-    """Return a value of a type as JSON has it; `from_data` is the way back."""
     if value is None or isinstance(value, (str, bool)):
         return value
     origin, inner = _origin_and_args(kind)
@@ -326,7 +296,6 @@ def _require_type(kind: type, data: Any) -> Any:
 
 
 def _plain_value(data: Any, depth: int) -> Any:
-    """Return None, a number, a text, or lists of them; raise TypeError for anything else."""
     if isinstance(data, str):
         return harmless(data)
     if isinstance(data, list) and depth < _MAX_DEPTH:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import shutil
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +23,17 @@ RING_BYTES = 16_000_000
 _MAX_LATCHED = 1_000_000  # Bytes of a message that is kept beyond its time.
 # The topics whose messages are events; of all others the last message is the current state.
 _EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
-
-
-Listener = Callable[[ReceivedMessage], None]
+OnWritten = Callable[[str, str], None]  # The recording's name, or "" and why there is none.
+SECONDS_AFTER = 5.0  # Recorded after the last trigger.
+BEGUN = f"the last {SPAN:g} s are recorded, and the next {SECONDS_AFTER:g} s"
+MAX_SECONDS = 300.0  # From the first trigger to the end of a recording.
+CONTINUOUS_SPAN = 600.0  # Seconds in each bag if everything is recorded.
+ALL = "all of it"  # The reason in the metadata of such a bag.
+MAX_BYTES = 64_000_000  # Bytes that wait in memory for recordings.
+_FLUSH_PERIOD = 0.9  # A little less than the second between two calls of `tick`.
+_SLOW = "the disk is too slow"
+_MAX_WAITING = 1  # Recordings that may wait while another is being written.
+_RETRY = 10.0  # Seconds between two tries to record everything after a failure.
 
 
 class Ring:
@@ -31,76 +41,66 @@ class Ring:
 
     The last message of each topic is kept beyond its time, unless it is larger than 1 MB or tells
     an event, as those of `/rosout` do: it shows the state of things at the beginning of a
-    recording.
+    recording. What recordings have not taken is kept as well, up to 64 MB.
     """
 
     def __init__(self, span: float = SPAN, max_bytes: int = RING_BYTES) -> None:
         self._span, self._max_bytes = round(span * 1e9), max_bytes
         self._lock = threading.Lock()
         self._messages: deque[ReceivedMessage] = deque()
-        self._bytes = 0
+        self.first = 0  # The number of the oldest message; they are counted from 0.
+        self._held: float = math.inf  # The number of the first one that recordings want.
+        self.bytes = 0  # The memory that the messages take, approximately.
         # The last message of each topic that has become too old for the deque.
         self._latched: dict[str, ReceivedMessage] = {}
-        self._listeners: list[Listener] = []
 
     def add(self, received: ReceivedMessage) -> None:
-        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
-
-        The listeners get the message though it may be too large to be kept.
-        """
+        """Keep a message, and drop the oldest beyond the time or the bytes."""
         with self._lock:
             self._messages.append(received)
-            self._bytes += received.bytes
-            cutoff = received.time - self._span
-            while self._bytes > self._max_bytes or (
-                self._messages and self._messages[0].time < cutoff
-            ):
-                oldest = self._messages.popleft()
-                self._bytes -= oldest.bytes
-                if oldest.bytes <= _MAX_LATCHED and not oldest.topic.endswith(_EVENT_TOPICS):
-                    self._latched[oldest.topic] = oldest
-            for listener in self._listeners:
-                listener(received)
+            self.bytes += received.bytes
+            self._drop_old()
 
-    def subscribe(self, listener: Listener) -> list[ReceivedMessage]:
-        """Return the messages kept so far, and pass all that follow to `listener`, under the lock.
+    def _drop_old(self) -> None:
+        while self._messages:
+            oldest, newest = self._messages[0], self._messages[-1]
+            is_old = oldest.time < newest.time - self._span or self.bytes > self._max_bytes
+            if not is_old or (self.first >= self._held and self.bytes <= MAX_BYTES):
+                return
+            self._messages.popleft()
+            self.first += 1
+            self.bytes -= oldest.bytes
+            if oldest.bytes <= _MAX_LATCHED and not oldest.topic.endswith(_EVENT_TOPICS):
+                self._latched[oldest.topic] = oldest
 
-        The last messages of topics that have been silent for longer come first, with the time of
-        the oldest other message, if there is one.
+    def begin(self) -> tuple[list[ReceivedMessage], int]:
+        """Return the last messages of silent topics, and the number of the oldest of all others.
+
+        The former have the time of that. All from there on are held.
         """
         with self._lock:
-            self._listeners.append(listener)
+            self._held = min(self._held, self.first)
             latched = [*self._latched.values()]
             if self._messages:
                 begin = self._messages[0].time
                 latched = [message._replace(time=begin) for message in latched]
-            return [*latched, *self._messages]
+            return latched, self.first
 
-    def unsubscribe(self, listener: Listener) -> None:
+    def since(self, number: int) -> tuple[list[ReceivedMessage], int]:
+        """Return the messages from a number on, and the number of the next one."""
         with self._lock:
-            self._listeners.remove(listener)
+            behind = self.first + len(self._messages)
+            newest = [*islice(reversed(self._messages), behind - number)]
+            return newest[::-1], behind
 
-    @property
-    def bytes(self) -> int:
-        """The memory that the messages of the last minute take, approximately."""
-        return self._bytes
-
-
-OnWritten = Callable[[str, str], None]  # The recording's name, or "" and why there is none.
-SECONDS_AFTER = 5.0  # Recorded after the last trigger.
-BEGUN = f"the last {SPAN:g} s are recorded, and the next {SECONDS_AFTER:g} s"
-MAX_SECONDS = 300.0  # From the first trigger to the end of a recording.
-CONTINUOUS_SPAN = 600.0  # Seconds in each bag if everything is recorded.
-ALL = "all of it"  # The reason in the metadata of such a bag.
-MAX_BYTES = 64_000_000  # Bytes of one recording that wait in memory.
-_FLUSH_PERIOD = 0.9  # A little less than the second between two calls of `tick`.
-_SLOW = "the disk is too slow"
-_MAX_WAITING = 1  # Recordings that may wait while another is being written.
-_RETRY = 10.0  # Seconds between two tries to record everything after a failure.
+    def hold(self, number: float) -> None:
+        """Keep the messages from a number on."""
+        with self._lock:
+            self._held = number
+            self._drop_old()
 
 
 def _since(clock: Clock) -> float:
-    """Return Unix minus monotonic time, which changes if the clock is set."""
     return clock.now() - clock.monotonic()
 
 
@@ -118,24 +118,14 @@ class _Recording:
         self.ends = self.begun + seconds
         # Unix minus monotonic time, by which all its times are: of an event, as it has ended.
         self.since = _since(clock)
-        self.is_full = False  # True once messages are dropped, as MAX_BYTES of them wait.
+        self._ring = ring
+        self._latched, self.next = ring.begin()  # The number of the first message not yet taken.
+        self.is_full = False  # True once messages are lost, as too many waited.
         self.flushed = 0.0  # Monotonic time of the last order to write.
         self.is_waiting = False  # True while such an order waits for the writing thread.
         self.failed: float | None = None  # Monotonic time at which writing failed.
         self.writer: BagWriter | None = None
         self.unfinished: Path | None = None  # The folder while nothing of use is in it.
-        self._clock, self._ring, self._lock, self._bytes = clock, ring, threading.Lock(), 0
-        self._is_collecting = True
-        with self._lock:
-            self._messages = ring.subscribe(self._on_message)
-
-    def _on_message(self, message: ReceivedMessage) -> None:
-        with self._lock:
-            self._bytes += message.bytes
-            if self._bytes < MAX_BYTES:
-                self._messages.append(message)
-            else:
-                self.is_full = True
 
     def extend(self, now: float, why: str) -> None:
         """Prolong it to SECONDS_AFTER from now, but to MAX_SECONDS in all at most."""
@@ -144,19 +134,10 @@ class _Recording:
             self.why.append(why)
 
     def take_messages(self) -> list[ReceivedMessage]:
-        """Return the messages received since the last call, and forget them."""
-        with self._lock:
-            messages, self._messages, self._bytes = self._messages, [], 0
-        return messages
-
-    def stop_collecting(self) -> None:
-        """Take no more messages; a second call does nothing. Any thread."""
-        with self._lock:
-            is_collecting, self._is_collecting = self._is_collecting, False
-        if is_collecting:
-            self._ring.unsubscribe(self._on_message)
-            if self.to is None:
-                self.since = _since(self._clock)
+        """Return the messages received since the last call."""
+        messages, self.next = self._ring.since(self.next)
+        latched, self._latched = self._latched, []
+        return [*latched, *messages]
 
 
 class BlackBox:
@@ -202,11 +183,7 @@ class BlackBox:
     def trigger(
         self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
     ) -> None:
-        """Record the last minute and the next 5 s; prolong a recording that goes on to that end.
-
-        One that is triggered `by_hand` is not deleted for room. `on_written` is called on any
-        thread, once.
-        """
+        """Record the last minute and the next 5 s; prolong a recording that goes on to that end."""
         if self._event is None:
             self._event = _Recording(self.ring, self._clock, why, SECONDS_AFTER, None)
         else:
@@ -216,15 +193,18 @@ class BlackBox:
             self._event.on_written.append(on_written)
 
     def tick(self) -> None:
-        """Have written what is due. Call it about each second.
-
-        A recording is dropped if two others still wait for a slow disk.
-        """
-        now = self._clock.monotonic()
-        if self._event is not None and (now >= self._event.ends or self._event.is_full):
-            self._finish_event(self._event)
+        """Have written what is due, about each second; drop a recording if two others wait."""
+        now, event = self._clock.monotonic(), self._event
+        for recording in (event, self._all):
+            if recording is not None:
+                recording.is_full = recording.is_full or self.ring.first > recording.next
+        if event is not None and (now >= event.ends or event.is_full):
+            self._event = None
+            self._finish(event)
         if self._all_to is not None:
             self._tick_all(now, self._all_to)
+        going = [r.next for r in (self._event, self._all) if r is not None and r.failed is None]
+        self.ring.hold(min(going, default=math.inf))
 
     def _tick_all(self, now: float, to: Path) -> None:
         """Hand over the messages of the last second; begin another bag after 10 min or failing."""
@@ -238,36 +218,30 @@ class BlackBox:
         if current.is_full:
             self._all_failure = _SLOW
         if now >= current.ends:
-            self._finish_all(current)
+            self._all = None
+            self._finish(current)
         elif now - current.flushed >= _FLUSH_PERIOD and not current.is_waiting:
             current.flushed, current.is_waiting = now, True
-            self._submit(partial(self._write, current))
+            self._submit(partial(self._write, current, current.take_messages()))
 
-    def _finish_all(self, recording: _Recording) -> None:
-        self._all = None
-        recording.stop_collecting()
-        self._submit(partial(self._write, recording, is_last=True))
-
-    def _finish_event(self, recording: _Recording) -> None:
-        self._event = None
-        recording.stop_collecting()
-        if self._jobs.qsize() > _MAX_WAITING + (self._all_to is not None):
-            self._report_failure(recording, _SLOW)
-        else:
-            self._submit(partial(self._write, recording, is_last=True))
+    def _finish(self, recording: _Recording) -> None:
+        messages = recording.take_messages()
+        if recording.to is None:
+            recording.since = _since(self._clock)
+            if self._jobs.qsize() > _MAX_WAITING + (self._all_to is not None):
+                self._report_failure(recording, _SLOW)
+                return
+        self._submit(partial(self._write, recording, messages, is_last=True))
 
     def finish(self) -> None:
         """Hand the recordings that still go on to the writing thread, complete or not."""
-        if self._event is not None:
-            self._finish_event(self._event)
-        if self._all is not None:
-            self._finish_all(self._all)
+        for recording in (self._event, self._all):
+            if recording is not None:
+                self._finish(recording)
+        self._event = self._all = None
 
     def close(self, seconds: float) -> str:
-        """End the writing thread when all is written; return why a recording is not, or "".
-
-        It waits for so many seconds at most.
-        """
+        """End the thread when all is written, or after so long; return what is not, or ""."""
         if self._thread is None:
             return ""
         self._jobs.put(None)
@@ -287,10 +261,11 @@ class BlackBox:
         while (job := self._jobs.get()) is not None:
             job()
 
-    def _write(self, recording: _Recording, *, is_last: bool = False) -> None:
-        """Write the messages that came since the last call; never raise."""
+    def _write(
+        self, recording: _Recording, messages: list[ReceivedMessage], *, is_last: bool = False
+    ) -> None:
+        """Write messages; never raise."""
         recording.is_waiting = False
-        messages = recording.take_messages()
         if recording.failed is not None:
             return
         try:
@@ -330,7 +305,6 @@ class BlackBox:
             recording.unfinished = None
 
     def _complete(self, recording: _Recording) -> str:
-        """Finish the bag, and return its name."""
         writer = recording.writer
         assert writer is not None
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
@@ -349,8 +323,6 @@ class BlackBox:
         return name
 
     def _abandon(self, recording: _Recording) -> None:
-        """Give a recording up; its folder stays if it holds something of use."""
-        recording.stop_collecting()
         recording.failed = self._clock.monotonic()
         if recording.writer is not None:
             recording.writer.close()

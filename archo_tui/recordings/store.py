@@ -53,10 +53,7 @@ class Recording(NamedTuple):
 
 
 def read_recording(folder: Path) -> Recording:
-    """Return what `metadata.yaml` says of a bag, also of another tool's; `bytes` is left out.
-
-    Raises OSError if it cannot be read, ValueError if it does not describe a bag.
-    """
+    """Return what `metadata.yaml` says of a bag, but `bytes`; ValueError if it describes none."""
     try:
         bag = _read_metadata(folder)
         custom = bag.get("custom_data")
@@ -104,11 +101,7 @@ def _checked_count(value: Any) -> int:
 
 
 def list_recordings(folder: Path) -> list[Recording]:
-    """Return the recordings of a folder, the oldest first; what cannot be read is left out.
-
-    They are sorted by their number before their date: a computer whose clock was set back, or that
-    has none, gives a new recording an old date. A missing folder counts as empty.
-    """
+    """Return the recordings of a folder by their numbers, since a clock may be set back."""
     found = []
     with suppress(FileNotFoundError):
         for path in folder.iterdir():
@@ -194,7 +187,6 @@ def check_free(folder: Path) -> None:
 
 
 def _with_free_name(wanted: Path, make: Callable[[Path], object]) -> Path:
-    """Make something, with a number behind its name if that is taken."""
     for number in itertools.count(1):
         path = wanted if number == 1 else wanted.with_name(f"{wanted.name}_{number}")
         try:
@@ -249,8 +241,7 @@ def make_room(
 ) -> tuple[int, list[Recording]]:
     """Delete the oldest recordings beyond a budget; return the bytes that remain, and the deleted.
 
-    Those kept by hand, the newest and the one just `written` stay, so that the rest may exceed the
-    budget. What a killed process has left, in hidden folders, is deleted once it is an hour old.
+    Those kept by hand, the newest and the one just `written` stay.
     """
     for path in folder.iterdir():
         with suppress(FileNotFoundError):  # Another console may have renamed it meanwhile.

@@ -1,7 +1,7 @@
 """Reader and writer of robot files; an error names file, line and the nearest valid word.
 
 The dataclasses of the model guide both: one whose only required field is a string may be written as
-that string alone, and a field named `where` receives `FILE:LINE`.
+that string alone, and a field named `where` receives `FILE:LINE`. They hold the checks, too.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ import yaml
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot_file import check
-from archo_tui.robot_file.model import RobotFile
+from archo_tui.robot_file.model import Check, RobotFile
 from archo_tui.safe_text import harmless
 from archo_tui.yaml_text import bounded_yaml, core_schema
 from archo_tui.yaml_text import dump as yaml_dump
@@ -37,35 +36,24 @@ def default_path() -> Path:
 def load(path: Path) -> RobotFile:
     """Read and validate a robot file; ArchoError names the first fault in one line."""
     try:
-        return _load(path)
+        text = bounded_yaml.read(path)
     except OSError as error:
-        reason = f"{path}: cannot read the robot file: {error.strerror}"
-    except (bounded_yaml.YamlError, ArchoError) as error:
-        reason = str(error)
-    raise ArchoError(harmless(reason))
+        text = f"{path}: cannot read the robot file: {error.strerror}"
+        raise ArchoError(harmless(text)) from None
+    except bounded_yaml.YamlError as error:
+        raise ArchoError(harmless(str(error))) from None
+    return parse(text, path)
 
 
 def parse(text: str, path: Path) -> RobotFile:
     """Validate the text of a robot file, as `load` does; `path` is only named in errors."""
     try:
-        return _parse(text, path)
-    except (bounded_yaml.YamlError, ArchoError) as error:
+        node = bounded_yaml.compose(text, path)
+        if node is None:
+            raise ArchoError(f"{path}:1: the file is empty: it describes no robot")
+        robot: RobotFile = read_node(RobotFile, node, path)
+    except (bounded_yaml.YamlError, ArchoError) as error:  # It may quote control characters.
         raise ArchoError(harmless(str(error))) from None
-
-
-def _load(path: Path) -> RobotFile:
-    """Do what `load` does; errors, also YamlError and OSError, may quote control characters."""
-    return _parse(bounded_yaml.read(path), path)
-
-
-def _parse(text: str, path: Path) -> RobotFile:
-    """Do what `parse` does; errors, also YamlError, may quote control characters."""
-    node = bounded_yaml.compose(text, path)
-    if node is None:
-        raise ArchoError(f"{path}:1: the file is empty: it describes no robot")
-    robot: RobotFile = read_node(RobotFile, node, path)
-    for where, reason in check.find_faults(robot):
-        raise ArchoError(f"{where}: {reason}")
     return robot
 
 
@@ -116,7 +104,6 @@ def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
 
 
 def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
-    """Return name, key node and value node of each entry; ArchoError for no or a wrong mapping."""
     if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
         raise _error(node, path, "expected lines like 'name: value'")
     found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}
@@ -132,12 +119,13 @@ def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, ya
 
 def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
     known: dict[str, Field[Any]] = {item.name: item for item in fields(kind)}
-    hints = _type_hints(kind)
+    hints, checks = _hints_and_checks(kind)
     where = f"{path}:{node.start_mark.line + 1}"
     given = {"where": where} if known.pop("where", None) else {}
     needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
     if isinstance(node, yaml.ScalarNode) and [hints[name] for name in needed] == [str]:
         return kind(**given, **{needed[0]: _read_scalar(str, node)})
+    written: dict[str, yaml.Node] = {}
     for name, key, value in _checked_pairs(node, path):
         if name in known and hints[name] is str and name not in needed and _is_left_out(value):
             continue
@@ -145,18 +133,25 @@ def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
             hint = nearest_hint(name, known) or f": one of {', '.join(known)}"
             raise _error(key, path, f"unknown key {name}{hint}")
         given[name] = _read_named(name, hints[name], value, path)
-        if known[name].metadata.get("filled") and not given[name]:
-            raise _error(value, path, f"{name} is empty: expected lines like 'name: value'")
+        written[name] = value
     for name in needed:
         if name not in given:
             raise _error(node, path, f"{name} is missing")
-    return kind(**given)
+    for name, value in written.items():
+        for check in checks[name]:
+            if fault := check(given[name]):
+                raise _error(value, path, f"{name} {fault}")
+    made = kind(**given)
+    for place, fault in made.faults() if hasattr(made, "faults") else ():
+        raise ArchoError(f"{place or where}: {fault}")
+    return made
 
 
 @functools.cache
-def _type_hints(kind: type) -> dict[str, Any]:
-    """Return the evaluated hints of a dataclass, cached because evaluation is slow."""
-    return get_type_hints(kind)
+def _hints_and_checks(kind: type) -> tuple[dict[str, Any], dict[str, tuple[Check, ...]]]:
+    told = get_type_hints(kind, include_extras=True)
+    checks = {name: getattr(hint, "__metadata__", ())[1:] for name, hint in told.items()}
+    return get_type_hints(kind), checks
 
 
 def _read_any(node: yaml.Node, path: Path) -> Any:
@@ -192,7 +187,6 @@ def _read_union(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
 
 
 def _is_left_out(node: yaml.Node) -> bool:
-    """Return True for an unquoted empty value, `~`, `null` or `none`, in any case."""
     return isinstance(node, yaml.ScalarNode) and not node.style and node.value.lower() in NONE_WORDS
 
 

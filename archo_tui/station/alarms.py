@@ -274,10 +274,7 @@ class AlarmBoard:
         }
 
     def _is_due(self, name: str, monotonic: float) -> bool:
-        """Return True if a condition has held for its delay.
-
-        A silence just after this process was suspended was its own.
-        """
+        """Return True if a condition has held for its delay; our own suspension is no silence."""
         kind = kind_of(name)
         is_own = kind.is_silence and monotonic - self._pause.resumed < LEAST_SILENCE
         return not is_own and monotonic - self._pending[name] >= kind.delay
@@ -288,10 +285,7 @@ class AlarmBoard:
         return [] if known is None else self._change(known, Change.ACKNOWLEDGE, now)
 
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
-        """Shelve an alarm for SHELF_TIME, or take a shelved one off.
-
-        One that is taken off is gone, and raised again by the next `update` if it holds.
-        """
+        """Shelve an alarm for SHELF_TIME, or take it off the shelf: `update` may raise it again."""
         if alarm.name not in self._alarms:
             return []
         known = self._alarms[alarm.name]._replace(reason=reason)
@@ -309,7 +303,6 @@ class AlarmBoard:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
-        """Put an alarm on the board as TRANSITIONS say; return it if its state differs."""
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
         if change in (Change.CLEARED, Change.REPLACED):

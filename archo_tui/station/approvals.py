@@ -33,10 +33,7 @@ _KEPT = 100  # Requests that are kept, so that their end can be asked for.
 
 
 def quoted(value: Any) -> str:
-    """Return a value of a goal as text for the person who decides.
-
-    A string is quoted as in YAML where necessary, so that nothing in it looks like the next value.
-    """
+    """Return a value for the person who decides; a text is quoted where it reads like more."""
     return flow(value) if isinstance(value, str) else text_of(value)
 
 
@@ -124,10 +121,7 @@ class Approvals:
                 self._robot.note("WARN", "console", text)
 
     def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
-        """Ask a person to allow a goal of the assistant that asks now, without waiting for that.
-
-        ValueError, with the reason, if nobody could allow it now.
-        """
+        """Ask a person to allow a goal; ValueError if nobody could allow it now."""
         requester, stop_count = current_requester(), self._robot.stops.count_when_typed
         refusal = self._refusal()
         if not refusal and (requester.has_left or self._robot.stops.is_void(stop_count)):
@@ -148,7 +142,6 @@ class Approvals:
         return self._all[number]
 
     def _refusal(self) -> str:
-        """Return why no goal can be asked for now; "" if one can."""
         if self._goals.frontend is None or not self._goals.frontend.has_person:
             return "nobody can allow it: this console has no screen and no terminal"
         if self._robot.snapshot.is_stopped:
@@ -180,11 +173,7 @@ class Approvals:
         return ", ".join(request.text for request in withdrawn)
 
     def answer(self, number: int, *, allowed: bool) -> Outcome:
-        """Carry out what a person has decided, with an event; an allowed goal is sent at once.
-
-        DONE does not tell whether the robot accepts the goal. A request that cannot be allowed now
-        waits on, unless it is outdated.
-        """
+        """Carry out what a person has decided; DONE does not tell whether the robot accepts it."""
         self._refresh()
         request = self._all.get(number)
         if request is None:
@@ -222,7 +211,6 @@ class Approvals:
                 return
 
     def _range_error(self, goal: QueuedGoal) -> str:
-        """Return a text on a value of a goal that is beyond a robot's limit; "" if none is."""
         snapshot = self._robot.snapshot
         fields = snapshot.forms.get(goal.kind.id) or ()
         try:

@@ -1,9 +1,9 @@
 """The alarms, one entry each: what is fixed about it, when it holds, and with which words.
 
-A condition is a pure function over a Situation. It yields what the alarm is about (a node, a topic,
-a part; "" for the robot) and a text: what is the case, and behind a colon what to do. None in place
-of the text says that nothing is known of it now: an alarm that stands is then the last that was
-known.
+A condition is a pure function over a Situation. It yields a text: what is the case, and behind a
+colon what to do; before it stands what it is about (a node, a topic, a part) if not the robot. None
+in place of the text says that nothing is known of it now: an alarm that stands is then the last
+that was known.
 
 A further alarm is a function here, and a row of docs/alarms.md.
 """
@@ -24,7 +24,7 @@ from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLe
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file.model import TopicRule
 
-Found = Iterator[tuple[str, str | None]]
+Found = Iterator[str | tuple[str, str | None] | None]
 
 _ANSWER_TIME = 1.0  # Seconds that a STOP may take before it is an alarm.
 _MOST_OFFSETS = 3  # Clocks that are named.
@@ -148,16 +148,13 @@ def moves_after_stop(seen: Situation) -> Found:
     runs = seen.snapshot.still_running_after_stop
     if runs:
         word = "RUNS" if len(runs) == 1 else "RUN"
-        yield "", f"STOP WAS ANSWERED, BUT {', '.join(runs)} STILL {word}: use the hardware stop"
+        yield f"STOP WAS ANSWERED, BUT {', '.join(runs)} STILL {word}: use the hardware stop"
     elif _moves_after_stop(seen.snapshot, seen.now):
-        yield "", "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
+        yield "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
-    """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
-
-    For an open STOP that was sent, it must have come 1 s or more after it was asked for.
-    """
+    """Return True if the robot moves in spite of a STOP, 1 s or more after an open one."""
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
         return False
@@ -170,7 +167,7 @@ def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
 def stop_unconfirmed(seen: Situation) -> Found:
     stop, now = seen.snapshot.open_stop, seen.now
     if stop is not None and (stop.answer != StopAnswer.AWAITED or now - stop.asked >= _ANSWER_TIME):
-        yield "", f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
+        yield f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
 
 
 @_alarm("stop not certain", _HIGH, delay=1.0)
@@ -181,7 +178,7 @@ def stop_uncertain(seen: Situation) -> Found:
         if snapshot.stop_held_by_nobody:
             remedy = "every node that held it has ended here: release it"
         at = time_of_day(snapshot.latch_time)[:-3]
-        yield "", f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
+        yield f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
 
 
 @_alarm("several stops", _HIGH, delay=2.0)
@@ -190,16 +187,15 @@ def several_stop_servers(seen: Situation) -> Found:
     nodes = () if served is None else seen.snapshot.duplicate_servers.get(served.service, ())
     if served is not None and nodes:
         yield (
-            "",
             f"{len(nodes)} NODES SERVE {served.service}: {', '.join(nodes)}: STOP must be "
-            "confirmed by all of them; keep the hardware stop at hand",
+            "confirmed by all of them; keep the hardware stop at hand"
         )
 
 
 @_alarm(STOPPED, _MED, is_reported=True, remedy=Remedy("release", ", then {} to release"))
 def stopped(seen: Situation) -> Found:
     if seen.snapshot.is_at_rest:
-        yield "", "STOPPED: look for the cause"
+        yield "STOPPED: look for the cause"
 
 
 def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
@@ -227,18 +223,18 @@ def contact_lost(seen: Situation) -> Found:
     if seen.contact_is_lost:
         battery, motion = seen.snapshot.battery, seen.snapshot.motion
         last = max(battery.received or 0.0, motion.received or 0.0)
-        yield "", f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
+        yield f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
 
 
 @_alarm(BATTERY_EMPTY, _HIGH, delay=2.0, is_reported=True, holds=Holds.UNTIL_ACKNOWLEDGED)
 def battery_empty(seen: Situation) -> Found:
     battery, described = seen.snapshot.battery, seen.snapshot.file.battery
     if battery.percentage is None or battery.is_old(seen.now):
-        yield "", None
+        yield None
     elif battery.percentage <= 0.0:
         refuses = described is not None and described.empty_refuses_moves
         more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
-        yield "", f"BATTERY EMPTY: {more}"
+        yield f"BATTERY EMPTY: {more}"
 
 
 @_alarm(
@@ -253,26 +249,26 @@ def battery_empty(seen: Situation) -> Found:
 def low_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if battery.is_old(seen.now) or (battery.percentage is None and not battery.charging):
-        yield "", None
+        yield None
     elif battery.percentage is None or battery.percentage <= 0.0 or battery.charging:
         return
     elif is_battery_low(seen.snapshot):
         is_moving = seen.snapshot.running_goal is not None
         dock = "dock the robot when this move is done" if is_moving else "dock the robot"
-        yield "", f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+        yield f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
 
 
 @_alarm("battery health", _MED, delay=2.0, is_reported=True)
 def unhealthy_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if not battery.health or battery.is_old(seen.now):
-        yield "", None
+        yield None
         return
     meaning = battery_health(seen.snapshot)
     if not meaning:
-        yield "", f"BATTERY HEALTH {battery.health}: the console does not know this word"
+        yield f"BATTERY HEALTH {battery.health}: the console does not know this word"
     elif meaning == "replace":
-        yield "", f"BATTERY HEALTH {battery.health}: have the battery replaced"
+        yield f"BATTERY HEALTH {battery.health}: have the battery replaced"
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:
@@ -295,9 +291,8 @@ def motor_silent(seen: Situation) -> Found:
     if motion.received is not None and motion.is_old(seen.now) and is_moving:
         topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
         yield (
-            "",
             f"{topic} silent for {seen.now - motion.received:.0f} s while moving: "
-            "the robot may still be driving",
+            "the robot may still be driving"
         )
 
 
@@ -306,9 +301,8 @@ def goal_silent(seen: Situation) -> Found:
     goal = seen.snapshot.running_goal
     if goal is not None and goal.phase == Phase.LOST and not any(motor_silent(seen)):
         yield (
-            "",
             f"NO WORD FROM {goal.kind.title.upper()} for "
-            f"{seen.now - (goal.heard or goal.sent):.0f} s: the robot may still be driving",
+            f"{seen.now - (goal.heard or goal.sent):.0f} s: the robot may still be driving"
         )
 
 
@@ -333,31 +327,18 @@ def node_crashed(seen: Situation) -> Found:
 # Diagnostics: an error and a warning of one part are two alarms, of which the error counts.
 
 
-@_alarm(
-    DIAGNOSTIC_ERROR,
-    _HIGH,
-    delay=2.0,
-    off_delay=2.0,
-    is_reported=True,
-    has_own_topic=True,
-    has_text=True,
-)
+_OF_A_PART = {"is_reported": True, "has_own_topic": True, "has_text": True}
+_MAY_FLAP = {"delay": 2.0, "off_delay": 2.0}
+
+
+@_alarm(DIAGNOSTIC_ERROR, _HIGH, **_MAY_FLAP, **_OF_A_PART)
 def diagnostic_error(seen: Situation) -> Found:
     for status, text in _bad_parts(seen):
         if status.level is DiagnosticLevel.ERROR:
             yield _part_name(status.part), text
 
 
-@_alarm(
-    DIAGNOSTIC_WARNING,
-    _MED,
-    delay=2.0,
-    off_delay=2.0,
-    graver=DIAGNOSTIC_ERROR,
-    is_reported=True,
-    has_own_topic=True,
-    has_text=True,
-)
+@_alarm(DIAGNOSTIC_WARNING, _MED, graver=DIAGNOSTIC_ERROR, **_MAY_FLAP, **_OF_A_PART)
 def diagnostic_warning(seen: Situation) -> Found:
     bad, parts, topic = seen.bad_parts, _bad_parts(seen), seen.snapshot.file.diagnostics
     if bad and not parts:  # All are silent.
@@ -371,7 +352,6 @@ def diagnostic_warning(seen: Situation) -> Found:
 
 
 def _bad_parts(seen: Situation) -> list[tuple[Diagnostic, str]]:
-    """Return the parts with an alarm of their own, and its texts; none if all fell silent."""
     bad, statuses = seen.bad_parts, seen.snapshot.diagnostics
     if len(bad) > 1 and all(status.is_silent_at(seen.now) for status in statuses):
         return []
@@ -409,30 +389,29 @@ def topic_silent(seen: Situation) -> Found:
 
 @_alarm("topic slow", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_slow(seen: Situation) -> Found:
-    for topic, rule, hertz, due in _heard(seen):
-        if hertz < due * (1 - rule.tolerance):
-            share = f"{rule.tolerance:.0%}"
-            yield topic, f"{topic} IS TOO SLOW, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+    for topic, hertz, due, within in _beyond(seen, lambda share, tolerance: share < 1 - tolerance):
+        yield topic, f"{topic} IS TOO SLOW, {hertz} Hz: expected {due:g} Hz, within {within}"
 
 
 @_alarm("topic fast", _LOW, delay=5.0, off_delay=5.0, is_reported=True)
 def topic_fast(seen: Situation) -> Found:
-    for topic, rule, hertz, due in _heard(seen):
-        if hertz > due * (1 + rule.tolerance):
-            share = f"{rule.tolerance:.0%}"
-            yield topic, f"{topic} IS TOO FAST, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+    for topic, hertz, due, within in _beyond(seen, lambda share, tolerance: share > 1 + tolerance):
+        yield topic, f"{topic} IS TOO FAST, {hertz} Hz: expected {due:g} Hz, within {within}"
 
 
-def _heard(seen: Situation) -> Iterator[tuple[str, TopicRule, float, float]]:
-    """Yield each topic that is not silent, with the measured and the expected rate in Hz."""
+def _beyond(
+    seen: Situation, is_so: Callable[[float, float], bool]
+) -> Iterator[tuple[str, str, float, str]]:
+    """Yield topics by their share of the expected rate, with both rates and the tolerance."""
     for topic, rule, rate in _rated(seen):
+        due = rule.rate or 0.0
         if rate is None or rate.hertz is None or seen.now - rate.heard > _silence(rule):
             continue
-        yield topic, rule, rate.hertz, rule.rate or 0.0
+        if is_so(rate.hertz / due, rule.tolerance):
+            yield topic, f"{rate.hertz:.1f}", due, f"{rule.tolerance:.0%}"
 
 
 def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:
-    """Yield each topic with an expected rate, by its full name, with the measured one if any."""
     for rule in seen.snapshot.file.topics:
         if rule.rate is not None:
             topic = seen.snapshot.full(rule.topic)
@@ -440,7 +419,6 @@ def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None
 
 
 def _silence(rule: TopicRule) -> float:
-    """Return the seconds without a message that are silence: three periods, at least 2.5 s."""
     return max(3 / (rule.rate or 1.0), LEAST_SILENCE)
 
 
@@ -486,9 +464,9 @@ def no_nodes(seen: Situation) -> Found:
     if not seen.unseen or seen.hosted or snapshot.nodes or snapshot.other_namespaces:
         return
     if not seen.has_reports:
-        yield "", f"NO NODES {seen.unseen}"
+        yield f"NO NODES {seen.unseen}"
     elif not seen.contact_is_lost:  # rmw_fastrtps may not get the names again behind a cut.
-        yield "", "NO NODE NAMES, though the robot is heard: start this console again"
+        yield "NO NODE NAMES, though the robot is heard: start this console again"
 
 
 @_alarm("no clock", _MED, delay=5.0)
@@ -497,9 +475,8 @@ def no_clock(seen: Situation) -> Found:
     waiting = ", ".join(snapshot.simulated_nodes)
     if waiting and not snapshot.has_clock:
         yield (
-            "",
             f"NO CLOCK for {waiting}: use_sim_time is true and nobody publishes /clock: "
-            "start the simulator, or set it to false",
+            "start the simulator, or set it to false"
         )
 
 
@@ -512,7 +489,7 @@ def clocks_differ(seen: Situation) -> Found:
             for source, offset in offsets[:_MOST_OFFSETS]
         )
         more = ", ..." if len(offsets) > _MOST_OFFSETS else ""
-        yield "", f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
+        yield f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
 
 
 @_alarm("earlier stop", _LOW, remedy=Remedy("release", ": {} to release"))
@@ -521,22 +498,21 @@ def earlier_stop(seen: Situation) -> Found:
     is_known = seen.snapshot.released is not None or seen.snapshot.is_stopped
     if at is not None and not (is_known or motion.stopped is not None or motion.moving):
         yield (
-            "",
             f"STOP OF {time_of_day(at)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
-            "the robot may still be stopped",
+            "the robot may still be stopped"
         )
 
 
 @_alarm("journal not written", _LOW)
 def journal_not_written(seen: Situation) -> Found:
     if seen.journal_failure:
-        yield "", f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
+        yield f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
 
 
 @_alarm("recordings", _LOW)
 def recording_trouble(seen: Situation) -> Found:
     if seen.recorder_trouble:
-        yield "", seen.recorder_trouble
+        yield seen.recorder_trouble
 
 
 # All of them.
@@ -565,16 +541,13 @@ class Conditions(NamedTuple):
 
 
 def conditions(seen: Situation) -> Conditions:
-    """Evaluate the conditions of all alarms.
-
-    While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
-    that are still received.
-    """
+    """Evaluate the conditions of all alarms; without contact, only those still reported."""
     is_lost = seen.contact_is_lost
     texts, unknown = dict[str, str](), set[str]()
     for kind in KINDS:
         is_left_out = is_lost and kind.is_reported and not kind.has_own_topic
-        for subject, text in () if is_left_out else kind.condition(seen):
+        for found in () if is_left_out else kind.condition(seen):
+            subject, text = found if isinstance(found, tuple) else ("", found)
             name = f"{kind.name} {subject}" if subject else kind.name
             if text is None:
                 unknown.add(name)

@@ -33,10 +33,9 @@ _CANCEL_ATTEMPTS = 3
 
 
 class Frontend(Protocol):
-    """The part that shows the station to its operator and runs its work.
+    """The part that shows the station to its operator and runs its work: app, `--plain`, a verb.
 
-    It is the app, `--plain`, or the connection of a shell verb that runs without a console. All
-    methods but `restart` are called on its event loop.
+    All methods but `restart` are called on its event loop.
     """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -56,10 +55,7 @@ class Frontend(Protocol):
         """Close the questions to the operator, because another console sent a STOP."""
 
     def restart(self, why: str) -> None:
-        """Start the process again, or say that this is left to a person; `why` is for the operator.
-
-        Do nothing in a process that hosts no nodes. May be called on any thread.
-        """
+        """Start the process again, or say that this is left to a person. Any thread."""
 
 
 class GoalDriver:
@@ -148,10 +144,9 @@ class GoalDriver:
         return ", ".join(goal.text for goal in self.queue.waiting if not goal.requester.waits)
 
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
-        """Send goals one after the other, for the current requester.
+        """Send goals one after the other; return the answer to the first, ACCEPTED if it waits.
 
-        The future is of the robot's answer to the first; ACCEPTED at once if that waits in the
-        queue. For any requester but YOU, `ends` gets a future of the outcome of each goal.
+        For any requester but YOU, `ends` gets a future of the outcome of each goal.
         """
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Outcome] = loop.create_future()
@@ -181,10 +176,7 @@ class GoalDriver:
         return answer
 
     def resume(self) -> Outcome:
-        """Continue a held queue, unless a STOP was read after the command, with an event.
-
-        DONE also if the queue was not held; REFUSED if it is held again at once.
-        """
+        """Continue a held queue, unless a STOP came; REFUSED if it is held again at once."""
         gate = self._robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
         if outcome.ok:
@@ -217,11 +209,7 @@ class GoalDriver:
         return Outcome(Code.DONE, f"left out: {text}")
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Cancel the goal of this console, on its way or running, and return the robot's answer.
-
-        A goal that has not left the console is never sent: ACCEPTED without a request, also if the
-        goal of another client was meant.
-        """
+        """Cancel the goal of this console; one that has not left the console is never sent."""
         after = self.queue.call_off()
         if after is self.queue:
             return await self._robot.cancel(another=another)
@@ -239,7 +227,6 @@ class GoalDriver:
             await self._cancel_for(requester)
 
     async def _cancel_for(self, requester: Requester) -> None:
-        """Cancel the goal of a requester that does not wait for its end any more."""
         for _ in range(_CANCEL_ATTEMPTS):
             with on_behalf_of(requester):
                 outcome = await self.cancel()
@@ -266,7 +253,6 @@ class GoalDriver:
         self._become(self.queue.drop())
 
     async def _send(self, goal: QueuedGoal) -> None:
-        """Send the goal on its way, unless it was called off, and take the robot's answer."""
         coming = self.queue.coming
         if coming is None or coming.goal is not goal:  # A frontend before was to send it.
             return

@@ -34,8 +34,7 @@ def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | Non
 class History:
     """The values of the last hour and the last 3600 goals that ended.
 
-    It belongs to the station, so that it survives a crash of the screen. Times are monotonic
-    seconds in a console, and Unix time in a replay, which may be shown at an earlier one.
+    Times are monotonic in a console, and Unix time in a replay.
     """
 
     def __init__(self) -> None:

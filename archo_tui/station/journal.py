@@ -49,10 +49,7 @@ _LOCK_POLL = 0.005  # Seconds between two attempts to lock.
 
 
 def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> float | None:
-    """Return the Unix time of the last confirmed STOP of a `place` (see `Session`), or None.
-
-    None if a confirmed release followed, or the journal cannot be read. This reads the disk.
-    """
+    """Return the Unix time of the last confirmed STOP of a `place` without a release, or None."""
     found = None
     for path in (file.with_name(f"{file.name}.1"), file):
         try:
@@ -71,7 +68,6 @@ def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> fl
 
 
 def _command(line: bytes) -> dict[str, Any]:
-    """Return the entry of a STOP or a release; an empty dictionary for every other line."""
     try:
         entry = json.loads(line) if b'"place"' in line else None
     except ValueError:  # The line was cut off, or is not UTF-8.
@@ -82,7 +78,6 @@ def _command(line: bytes) -> dict[str, Any]:
 
 
 def _unix_time(text: object) -> float:
-    """Return the Unix time of an ISO 8601 text; 0.0 for anything else."""
     try:
         return datetime.fromisoformat(str(text)).timestamp()
     except (ValueError, OverflowError, OSError):
@@ -107,11 +102,7 @@ class Journal:
         self._thread.start()
 
     def record(self, event: Event) -> None:
-        """Write an event, unless it is DEBUG, INFO, or one of many repeats.
-
-        Of a node's lines that differ in numbers only, the first 100 are written, then one in 1000:
-        all of them would push everything else out. Any thread.
-        """
+        """Write an event, unless it is DEBUG, INFO, or one of many that differ in numbers only."""
         if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
             return
         kind = _KINDS.get(event.level, "event")
@@ -130,10 +121,7 @@ class Journal:
         self.write(event.time, kind, **what, count=event.count)
 
     def write(self, unix_time: float, kind: str, **what: object) -> None:
-        """Add an entry; if 1000 wait for the disk already, it is only counted as lost.
-
-        The next one that is written has the number of those lost as `lost_before`.
-        """
+        """Add an entry; if 1000 wait for the disk, only count it, as `lost_before` of the next."""
         at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")
         try:
             self._entries.put_nowait({"v": VERSION, "time": at, "kind": kind, **self._who, **what})
@@ -174,7 +162,7 @@ class Journal:
 
 
 def _write_line(descriptor: int, line: bytes) -> None:
-    """Append a line whole or not at all (OSError); a broken last line is ended first."""
+    """Append a line whole or not at all; a broken last line is ended first."""
     size = os.fstat(descriptor).st_size
     if size:
         os.lseek(descriptor, size - 1, os.SEEK_SET)

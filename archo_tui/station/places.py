@@ -2,45 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters.save_load import write_atomically
 from archo_tui.paths import make_folder
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot_file.check import is_place_name
-from archo_tui.robot_file.model import GoalKind, Place, RobotFile
+from archo_tui.robot_file.load import plain, read_node
+from archo_tui.robot_file.model import GoalKind, Place, RobotFile, is_place_name
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.dump import block
 
 FILE = "places.yaml"  # In the folder of settings.
-_PLACES, _LISTS = "places", "lists"
-_SHAPE = "expected robots with places and lists, as archo-tui writes them"
+
+
+@dataclass(frozen=True)
+class SavedGoal:
+    """A goal in the user's file."""
+
+    goal: str  # Its id.
+    values: Mapping[str, Any]  # By dotted path.
+
+
+def _names(given: Iterable[str]) -> str:
+    odd = next((name for name in given if not is_place_name(name)), None)
+    return (
+        "" if odd is None else f"has {odd!r}, which is no name: a letter, then letters and digits"
+    )
+
+
+@dataclass(frozen=True)
+class SavedNames:
+    """The places and lists of one robot in the user's file, by names."""
+
+    places: Annotated[Mapping[str, SavedGoal], "one goal each", _names] = field(
+        default_factory=dict
+    )
+    lists: Annotated[Mapping[str, tuple[SavedGoal, ...]], "several goals each", _names] = field(
+        default_factory=dict
+    )
 
 
 class Places:
     """All places and lists of one robot. `load` and `save_...` use a file, and block."""
 
     def __init__(self, robot: RobotFile, path: Path | None = None) -> None:
-        """Create them; `path` is the user's file, None for none."""
         self._robot, self.path = robot, path
         self._kinds = {kind.id: kind for kind in robot.goals}
         first = robot.goals[0].id if robot.goals else ""
         self._given = [replace(place, goal=place.goal or first) for place in robot.places]
-        self._own: dict[str, Place] = {}
-        self.lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {}  # Goal ids and values.
+        self._own = SavedNames()
         self.fault = ""  # Why the user's file is not read.
 
     @property
     def all(self) -> list[Place]:
         """All places by name; of two with one name that of the robot file."""
         given = {place.name for place in self._given}
-        own = [place for place in self._own.values() if place.name not in given]
-        return [*self._given, *own]
+        own = self._own.places.items()
+        more = [Place(name, of.values, of.goal) for name, of in own if name not in given]
+        return [*self._given, *more]
+
+    @property
+    def lists(self) -> Mapping[str, Sequence[SavedGoal]]:
+        """The lists of goals by name."""
+        return self._own.lists
 
     def of(self, kind: GoalKind) -> dict[str, Mapping[str, Any]]:
         """Return the values of the places of a kind of goal, by name."""
@@ -58,28 +87,33 @@ class Places:
         if name not in self.lists:
             raise ArchoError(f"no list {name}{nearest_hint(name, self.lists)}")
         found = []
-        for goal, values in self.lists[name]:
-            kind = self._kinds.get(goal)
-            if kind is None or values.keys() != kind.form.keys():
-                raise ArchoError(f"{name}: the robot file has no goal {goal} with these fields")
-            found.append(QueuedGoal(kind, values))
+        for saved in self.lists[name]:
+            if saved.goal not in self._kinds or not self._fits(saved):
+                raise ArchoError(
+                    f"{name}: the robot file has no goal {saved.goal} with these fields"
+                )
+            found.append(QueuedGoal(self._kinds[saved.goal], saved.values))
         if not found:
             raise ArchoError(f"{name} has no goals")
         return found
 
+    def _fits(self, saved: SavedGoal) -> bool:
+        kind = self._kinds.get(saved.goal)
+        return kind is None or saved.values.keys() == kind.form.keys()
+
     def save_place(self, name: str, kind: GoalKind, values: Mapping[str, Any]) -> None:
         """Add a place of the user's own, or replace one, and write the file; ArchoError."""
         self._check_name(name)
-        self.read_again()  # Another console may have written it.
-        place = Place(name, dict(values), kind.id)
-        self._write({**self._own, name: place}, self.lists)
+        own = self._read_own()  # Another console may have written it.
+        place = SavedGoal(kind.id, dict(values))
+        self._write(replace(own, places={**own.places, name: place}))
 
     def save_list(self, name: str, goals: Sequence[QueuedGoal]) -> None:
         """Add a list of goals, or replace one, and write the file; ArchoError."""
         self._check_name(name)
-        self.read_again()
-        made = [(goal.kind.id, dict(goal.values)) for goal in goals]
-        self._write(self._own, {**self.lists, name: made})
+        own = self._read_own()
+        saved = tuple(SavedGoal(goal.kind.id, dict(goal.values)) for goal in goals)
+        self._write(replace(own, lists={**own.lists, name: saved}))
 
     def _check_name(self, name: str) -> None:
         if not is_place_name(name):
@@ -96,60 +130,38 @@ class Places:
 
     def read_again(self) -> None:
         """Read the user's file, which another console may have written; ArchoError."""
-        if self.path is not None:
-            self._replace_all(self._read(self.path).get(self._robot.name))
+        self._own = self._read_own()
 
-    def _write(
-        self, own: Mapping[str, Place], all_lists: Mapping[str, Sequence[tuple[str, Any]]]
-    ) -> None:
+    def _read_own(self) -> SavedNames:
+        own = self._read().get(self._robot.name, SavedNames())
+        for saved in (
+            *own.places.values(),
+            *(goal for goals in own.lists.values() for goal in goals),
+        ):
+            if not self._fits(saved):
+                raise ArchoError(f"{self.path}: goal {saved.goal} has other fields")
+        return own
+
+    def _read(self) -> dict[str, SavedNames]:
+        if self.path is None:
+            return {}
+        try:
+            node = bounded_yaml.compose(bounded_yaml.read(self.path), self.path)
+            robots = {} if node is None else read_node(Mapping[str, SavedNames], node, self.path)
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError) as error:
+            raise ArchoError(f"{self.path}: not read: {error}") from None
+        return dict(robots)
+
+    def _write(self, own: SavedNames) -> None:
         """Write the user's file, other robots' parts of it as they are, and take it; ArchoError."""
         if self.path is None:
             raise ArchoError("there is no folder for settings")
-        robots = self._read(self.path)
-        places = {
-            name: {"goal": place.goal, "values": dict(place.values)} for name, place in own.items()
-        }
-        lists = {
-            name: [{"goal": goal, "values": dict(values)} for goal, values in goals]
-            for name, goals in all_lists.items()
-        }
-        robots[self._robot.name] = {_PLACES: places, _LISTS: lists}
+        robots = {**self._read(), self._robot.name: own}
         try:
             make_folder(self.path)
         except OSError as error:
             raise ArchoError(f"{self.path.parent}: {error.strerror}") from None
-        write_atomically(self.path, block(robots))
-        self._own, self.lists = dict(own), {name: list(goals) for name, goals in all_lists.items()}
-
-    def _read(self, path: Path) -> dict[str, Any]:
-        try:
-            found = bounded_yaml.load(bounded_yaml.read(path))
-        except FileNotFoundError:
-            return {}
-        except (OSError, ValueError) as error:
-            raise ArchoError(f"{path}: not read: {error}") from None
-        if found is None:
-            return {}
-        if not isinstance(found, dict):
-            raise ArchoError(f"{path}: {_SHAPE}")
-        return found
-
-    def _replace_all(self, part: Any) -> None:
-        def goal_of(given: Any) -> tuple[str, dict[str, Any]]:
-            goal, values = given["goal"], given["values"]
-            if goal in self._kinds and values.keys() != self._kinds[goal].form.keys():
-                raise KeyError
-            return str(goal), dict(values)
-
-        try:
-            part = part or {}
-            own = {name: goal_of(given) for name, given in part.get(_PLACES, {}).items()}
-            lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {
-                name: [*map(goal_of, given)] for name, given in part.get(_LISTS, {}).items()
-            }
-            if not all(is_place_name(name) for name in (*own, *lists)):
-                raise ValueError
-        except (KeyError, TypeError, AttributeError, ValueError):
-            raise ArchoError(f"{self.path}: {_SHAPE}") from None
-        self._own = {name: Place(name, values, goal) for name, (goal, values) in own.items()}
-        self.lists = lists
+        write_atomically(self.path, block(plain(robots)))
+        self._own = own

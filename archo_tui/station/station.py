@@ -41,10 +41,9 @@ _OFFER = (
 
 
 class Station:
-    """The operator's desk: alarms, queue, history, undo and approvals, whatever shows them.
+    """The operator's desk, used on the event loop of its frontend.
 
-    It is used on the event loop of its frontend only, but for `post` and `restart`, which may be
-    called on any thread, and `earlier_stop`, which any thread may set.
+    Only `post`, `restart` and `earlier_stop` are for any thread.
     """
 
     def __init__(
@@ -124,26 +123,17 @@ class Station:
         return self._releases > 0
 
     def attach(self, frontend: Frontend) -> None:
-        """Let a frontend send goals and run posted work from now on; call it on its event loop.
-
-        A goal that an earlier frontend did not begin to send is dropped.
-        """
+        """Let a frontend send goals and run posted work from now on; call it on its event loop."""
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
         self.goals.attach(frontend)
         self._begin_posted()
 
     def detach(self) -> None:
-        """Let posted work wait for the next frontend from now on, since this one ends.
-
-        `close_questions` and `restart` still reach the frontend that ends.
-        """
+        """Let posted work wait for the next frontend from now on, since this one ends."""
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Let the present or next frontend start work in the background, in the order of the calls.
-
-        May be called on any thread.
-        """
+        """Let the present or next frontend start work in the background. Any thread."""
         self._posted.append(work)
         loop = self._loop
         if loop is not None:
@@ -160,11 +150,7 @@ class Station:
             self._frontend.close_questions()
 
     def restart(self, why: str) -> None:
-        """Have the frontend, if there is one, start the process again with the same arguments.
-
-        The screen does, or waits while there is a `restart_blocker`; `--plain` only logs that the
-        changes count from the next start on. May be called on any thread.
-        """
+        """Have the frontend, if there is one, start the process again. Any thread."""
         if self._frontend is not None:
             self._frontend.restart(why)
 
@@ -179,10 +165,7 @@ class Station:
         return HOLDS if snapshot.is_stopped else ""
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Take in a new snapshot, and refresh; return the alarms whose state has changed.
-
-        Questions are closed if another console has sent a STOP since the last snapshot.
-        """
+        """Take in a new snapshot, and refresh; return the alarms whose state has changed."""
         self._snapshot = snapshot
         self.history.observe(snapshot, self.clock.monotonic())
         if self.robot.stops.sent_elsewhere > self._elsewhere:
@@ -206,10 +189,7 @@ class Station:
             self.robot.note("WARN", "console", _OFFER)
 
     def refresh(self) -> list[Alarm]:
-        """Update alarms, queue, requests and view, and send the goal that is due.
-
-        Changed alarms are written to the journal and returned; the recorder gets the view.
-        """
+        """Update alarms, queue, requests and view, and send the goal that is due."""
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
         found = conditions(Situation(self._snapshot, now, self.host.states(), *troubles))
@@ -252,7 +232,6 @@ class Station:
         return await self.edits.undo(self.robot, asked)
 
     def _record(self, changed: Iterable[Alarm]) -> None:
-        """Write alarms whose state has changed to the journal."""
         for alarm in changed:
             what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
             if alarm.reason:

@@ -76,11 +76,7 @@ class UndoList:
         return {name: now.get(name) for name, value in after if not same(now.get(name), value)}
 
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none; if that succeeds, add the change to the list.
-
-        NOT_OFFERED without a request if the node does not report one of them: its value of before
-        is not known then.
-        """
+        """Set parameters of a node, all or none; if that succeeds, add the change to the list."""
         known = _values(robot.snapshot, node)
         missing = ", ".join(name for name in values if name not in known)
         if missing:  # The node has just left.
@@ -106,10 +102,7 @@ class UndoList:
         return found
 
     async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
-        """Set the parameters of the last change back, and remove it from the list if that succeeds.
-
-        REFUSED if there is no change, or `asked` is not the last one any more.
-        """
+        """Set back and forget the last change; REFUSED if `asked` is not the last one any more."""
         edit = self.last
         if edit is None:
             return Outcome(Code.REFUSED, "nothing to undo")

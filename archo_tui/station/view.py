@@ -58,7 +58,4 @@ class Recorder(Protocol):
         """The name of the last recording that was begun by hand; "" if none is on the disk."""
 
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Begin to record the last minute by hand; call it on the loop.
-
-        Only after DONE `written` is called, once, when the recording is on the disk or failed.
-        """
+        """Begin to record by hand; `written` is called when it is on the disk or failed."""

@@ -20,8 +20,13 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
-from archo_tui.robot_file.check import is_place_name
-from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef, RobotFile
+from archo_tui.robot_file.model import (
+    FormField,
+    GoalKind,
+    ParameterRef,
+    RobotFile,
+    is_place_name,
+)
 from archo_tui.ros_names import base_name
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low

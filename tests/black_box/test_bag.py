@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from archo_tui.recordings import store
 from archo_tui.recordings.bag import LazyMessage
 from archo_tui.recordings.store import Recording
-from tests.black_box.test_ring import nobody
+from tests.black_box.test_ring import kept
 from tests.robots.test_rover import rover
 from tests.robots.test_tug import tug
 from tests.support.bags import received, write
@@ -100,9 +100,7 @@ def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
 
 async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
     """All that the console has heard, which is written there, by topic."""
-    ring = op.session.box.ring
-    heard = ring.subscribe(nobody)
-    ring.unsubscribe(nobody)
+    heard = kept(op.session.box.ring)
     write(folder, heard, {})
     return [
         (topic, deserialize_message(content, kind))

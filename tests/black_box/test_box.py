@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -85,6 +86,11 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
         assert 3.9 < behind < 6.5
         wanted = f"recorded {recording.name}: STOP"  # which is said once it is written
         await until(lambda: wanted in [event.text for event in session.robot.snapshot.events])
+        person.type("stop\n")  # of a robot that is stopped already
+        assert [one.why for one in await recorded(session, 2)] == ["STOP", "STOP"]
+        person.type("keep\n")
+        kept = (await recorded(session, 3))[-1]
+        assert (kept.why, kept.kept) == ("kept", True)
 
 
 @pytest.mark.waits
@@ -122,13 +128,6 @@ async def test_a_crash_is_recorded() -> None:
         (recording,) = await recorded(session)
     assert recording.why == "node crashed /crashing"
     assert recording.name.endswith("_node_crashed_crashing")
-
-
-async def test_the_last_minute_is_kept_by_hand() -> None:
-    async with operated(*FAST) as (person, session):
-        person.type("keep\n")
-        (recording,) = await recorded(session)
-    assert (recording.why, recording.kept) == ("kept", True)
 
 
 @pytest.mark.waits
@@ -194,14 +193,12 @@ async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
     assert session.unrecorded.startswith("recording not written: ")
 
 
-def fill(folder: Path) -> None:
+def fill(folder: Path, kept: str = "no") -> None:
     (folder / "x_0.mcap").write_bytes(b"x" * 1000)
-    write(folder, [], {"why": "a test", "kept": "no"})
+    write(folder, [], {"why": "a test", "kept": kept})
 
 
-def fill_kept(folder: Path) -> None:
-    (folder / "x_0.mcap").write_bytes(b"x" * 1000)
-    write(folder, [], {"why": "a test", "kept": "yes"})
+fill_kept = partial(fill, kept="yes")
 
 
 def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> None:
@@ -301,20 +298,17 @@ def test_a_small_recordings_size_is_told_in_kilobytes(size: int, said: str) -> N
     assert store.length_size_and_why(one) == f"   65 s  {said}  STOP"
 
 
-def test_a_folder_that_is_none_is_one_line() -> None:
+def test_what_cannot_be_is_one_line() -> None:
     state_file("recordings").parent.mkdir(parents=True)
     state_file("recordings").write_text("")
-    for words in (["recordings"], ["recordings", "--delete", "x"]):
+    cases = [(["recordings"], "Not a directory"), (["recordings", "--delete", "x"], "Not a ")]
+    for limit in ("0", "-1", "abc", "99999999999999999999", "1.5", ""):
+        words = [f"--recordings-limit={limit}", "--plain"]
+        cases.append((words, "is not 1 to 1000000 MB"))
+    for words, said in cases:
         code, _, err = archo(*words)
         assert (code, err.count("\n")) == (2, 1)
-        assert "Not a directory" in err
-
-
-@pytest.mark.parametrize("limit", ["0", "-1", "abc", "99999999999999999999", "1.5", ""])
-def test_a_limit_that_keeps_nothing_is_refused(limit: str) -> None:
-    code, _, err = archo(f"--recordings-limit={limit}", "--plain")
-    assert (code, err.count("\n")) == (2, 1)
-    assert "is not 1 to 1000000 MB" in err
+        assert said in err
 
 
 async def test_what_waits_for_the_disk_at_the_end_is_written_too(
@@ -355,15 +349,6 @@ async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
         assert found() == []
         await op.press("escape")
         await op.until(f"recording {recording.name} deleted")
-
-
-async def test_a_stop_of_a_robot_that_is_stopped_already_is_recorded_too() -> None:
-    async with operated(*FAST) as (person, session):
-        await stopped(person)
-        assert len(await recorded(session)) == 1
-        person.type("stop\n")
-        first, second = await recorded(session, 2)
-        assert (first.why, second.why) == ("STOP", "STOP")
 
 
 TO_2248 = 225 * 365.25 * 86400.0  # Seconds from the tests' Unix time.

@@ -6,16 +6,12 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from archo_tui.recordings.bag import LazyMessage, ReceivedMessage
-from archo_tui.recordings.recorder import Ring
+from archo_tui.recordings.recorder import MAX_BYTES, Ring
 from tests.support.bags import received
 
 
 def heard(seconds: float, topic: str = "/battery_level", text: str = "") -> ReceivedMessage:
     return received(int(seconds * 1e9), topic, String(data=text))
-
-
-def nobody(_: ReceivedMessage) -> None:
-    """Listens to what follows, in vain."""
 
 
 def text_of(one: ReceivedMessage) -> str:
@@ -25,9 +21,13 @@ def text_of(one: ReceivedMessage) -> str:
 
 
 def texts(ring: Ring) -> list[str]:
-    kept = ring.subscribe(nobody)
-    ring.unsubscribe(nobody)
-    return [text_of(one) for one in kept]
+    return [text_of(one) for one in kept(ring)]
+
+
+def kept(ring: Ring) -> list[ReceivedMessage]:
+    latched, number = ring.begin()
+    ring.hold(float("inf"))
+    return [*latched, *ring.since(number)[0]]
 
 
 def test_what_is_older_than_its_span_goes() -> None:
@@ -57,19 +57,22 @@ def test_the_last_of_a_topic_stands_at_the_begin_though_it_is_older() -> None:
     for second, topic in ((0, "/battery_level"), (1, "/battery_level"), (2, "/rosout")):
         ring.add(heard(second, topic, str(second)))
     ring.add(heard(100, "/rosout", "now"))
-    kept = ring.subscribe(nobody)
-    assert [text_of(one) for one in kept] == ["1", "now"]
-    assert {one.time for one in kept} == {100 * 10**9}
+    assert texts(ring) == ["1", "now"]
+    assert {one.time for one in kept(ring)} == {100 * 10**9}
 
 
-def test_a_listener_gets_what_follows_its_copy_and_nothing_twice() -> None:
-    ring, more = Ring(), list[ReceivedMessage]()
-    ring.add(heard(1, text="before"))
-    kept = ring.subscribe(more.append)
-    ring.add(heard(2, text="after"))
-    ring.unsubscribe(more.append)
-    ring.add(heard(3, text="too late"))
-    assert [text_of(one) for one in (*kept, *more)] == ["before", "after"]
+def test_what_a_recording_has_not_taken_is_kept() -> None:
+    ring = Ring(span=60.0)
+    ring.add(heard(1, "/rosout", "before"))
+    _, first = ring.begin()
+    ring.add(heard(100, "/rosout", "after"))
+    taken, following = ring.since(first)
+    assert [text_of(one) for one in taken] == ["before", "after"]
+    ring.hold(following)
+    ring.add(heard(101, "/rosout", "more"))
+    assert [text_of(one) for one in ring.since(following)[0]] == ["more"]
+    ring.add(heard(200, "/rosout", "x" * MAX_BYTES))
+    assert ring.first > following  # Of too many the oldest go all the same.
 
 
 def test_a_message_weighs_about_what_its_bytes_do() -> None:
@@ -82,7 +85,7 @@ def test_what_stands_keeps_its_time_where_nothing_else_is_kept() -> None:
     ring = Ring(max_bytes=10_000)
     ring.add(heard(50, "/battery_level", "stands"))
     ring.add(heard(51, "/rosout", "x" * 20_000))
-    (one,) = ring.subscribe(nobody)
+    (one,) = kept(ring)
     assert (text_of(one), one.time) == ("stands", 50 * 10**9)
 
 

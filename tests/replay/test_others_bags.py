@@ -84,24 +84,19 @@ async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
         assert "LOW BATTERY" not in watcher.text
 
 
-async def test_silence_in_a_bag_is_lost_contact(tmp_path: Path) -> None:
+async def test_silence_is_lost_contact_from_its_begin_to_its_end_and_back(tmp_path: Path) -> None:
     late = received((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
     write(tmp_path, [*drain(seconds=5), late], {})
-    async with replay(tmp_path) as watcher:
-        await watcher.show(BEGIN + 20.0)
-        assert "CONTACT LOST for 16 s" in watcher.text
-
-
-async def test_a_silence_looked_at_from_its_end_to_its_begin_was_no_longer(tmp_path: Path) -> None:
-    late = received((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
-    write(tmp_path, [*drain(seconds=5), late], {})
-    async with replay(tmp_path) as watcher:
-        await watcher.show(BEGIN + 20.0)
-        await watcher.show(BEGIN + 5.5)
-        assert "CONTACT LOST" not in watcher.text
-        assert watcher.app.view.alarms == ()
-        await watcher.show(BEGIN + 8.0)
-        assert "CONTACT LOST for 4 s" in watcher.text
+    async with replay(tmp_path, (160, 48)) as watcher:
+        for second, lost in ((20.0, "16 s"), (5.5, ""), (8.0, "4 s")):
+            await watcher.show(BEGIN + second)
+            assert ("CONTACT LOST" in watcher.text) == bool(lost)
+            assert lost in watcher.text
+            assert len(watcher.app.view.alarms) == bool(lost)
+        # What only a console records is not there.
+        assert watcher.text.count("-- none recorded") == 3  # nodes, graph, parameters
+        assert "not recorded" in watcher.text.replace("-- none recorded", "")  # goals
+        assert "waiting" not in watcher.text
 
 
 class SlowBag(BagFile):
@@ -174,51 +169,48 @@ async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
         await watcher.show(BEGIN + 10.5)
         assert "25.0 %" in watcher.text
         assert ("1 messages are unreadable" in watcher.text) == ("unknown" not in said)
+        await watcher.show(BEGIN + 40.5)  # Without a state, alarms are looked for.
+        assert ("LOW BATTERY 10.0 %" in watcher.text) == ("unknown" not in said)
 
 
-async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) -> None:
-    odd = String(data=json.dumps({"snapshot": {"goal": {"phase": "FLYING"}}}))
-    write(tmp_path, [*drain(), received(BEGIN * 10**9 + 5, STATE, odd)], {})
-    async with replay(tmp_path) as watcher:
-        await watcher.show(BEGIN + 40.5)
-        assert "LOW BATTERY 10.0 %" in watcher.text
-
-
-async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
-    said = json.dumps(
-        {"snapshot": {"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"}}
-    )
-    write(tmp_path, [*drain(), received(BEGIN * 10**9, STATE, String(data=said))], {})
-    async with replay(tmp_path) as watcher:
-        await watcher.show(BEGIN + 1.0)
-        assert "evil" in watcher.text
-        assert "\x1b]0" not in watcher.text
-
-
-async def test_a_command_that_is_copied_is_one_line(tmp_path: Path) -> None:
-    """It is pasted into a shell."""
-    said = Log(level=20, name="console", msg="YOU: moved", function="ros2 topic list\nrm x\x1b[A")
-    write(tmp_path, [*drain(), received((BEGIN + 5) * 10**9, JOURNAL, said)], {})
+async def test_no_text_changes_the_terminal_or_a_shell(tmp_path: Path) -> None:
+    odd = {"snapshot": {"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"}}
+    command = "ros2 topic list\nrm x\x1b[A"  # which a person may paste
+    told = [
+        received(BEGIN * 10**9, STATE, String(data=json.dumps(odd))),
+        received(
+            (BEGIN + 5) * 10**9,
+            JOURNAL,
+            Log(level=20, name="console", msg="YOU: moved", function=command),
+        ),
+    ]
+    write(tmp_path, sorted([*drain(), *told], key=lambda one: one.time), {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 10.5)
+        assert "evil" in watcher.text
+        assert "\x1b]0" not in watcher.text
         (event,) = (one for one in watcher.app.view.snapshot.events if one.level == "YOU")
         assert event.command.startswith("ros2 topic list")
         assert event.command.isprintable()
 
 
 def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Path) -> None:
-    hours = drain(seconds=1)
+    hours = drain(seconds=600)
+    for second in range(600):
+        said = json.dumps({"snapshot": {"namespace": "/", "consoles": [f"anna_{second}"]}})
+        hours.append(received((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
-    write(tmp_path, hours, {})
+    write(tmp_path, sorted(hours, key=lambda one: one.time), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_complete)
-    assert player.snapshot().battery.percentage == 30.0
-    player.go_to(player.end)
-    wait_until(lambda: not player.is_reading)
-    assert player.snapshot().battery.percentage == 29.0
-    player.go_to(player.start)
-    wait_until(lambda: not player.is_reading)
-    assert player.snapshot().battery.percentage == 30.0
+    for second in (599, 3, 250, 251, 0, 400):
+        player.go_to(BEGIN + second + 0.5)
+        assert player.snapshot().consoles == (f"anna_{second}",)
+        assert player.snapshot().motion.count == second
+    for place, charge in ((player.end, 29.0), (player.start, 30.0)):
+        player.go_to(place)
+        wait_until(lambda: not player.is_reading)
+        assert player.snapshot().battery.percentage == charge
 
 
 @pytest.mark.parametrize("limit", [("MAX_MESSAGES", 50), ("MAX_BYTES", 2000)])
@@ -237,28 +229,6 @@ def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
 
     wait_until(is_shown)
     assert player.snapshot().motion.count == 3000
-
-
-async def test_what_only_this_console_records_is_not_there(tmp_path: Path) -> None:
-    write(tmp_path, drain(), {})
-    async with replay(tmp_path, (160, 48)) as watcher:
-        await watcher.show(BEGIN + 10.5)
-        assert watcher.text.count("-- none recorded") == 3  # nodes, graph, parameters
-        assert "not recorded" in watcher.text.replace("-- none recorded", "")  # goals
-        assert "waiting" not in watcher.text
-
-
-def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> None:
-    heard = drain(seconds=600)
-    for second in range(600):
-        said = json.dumps({"snapshot": {"namespace": "/", "consoles": [f"anna_{second}"]}})
-        heard.append(received((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
-    write(tmp_path, sorted(heard, key=lambda one: one.time), {})
-    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
-    wait_until(lambda: player.is_complete)
-    for second in (599, 3, 250, 251, 0, 400):
-        player.go_to(BEGIN + second + 0.5)
-        assert player.snapshot().consoles == (f"anna_{second}",)
 
 
 def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_path: Path) -> None:

@@ -105,7 +105,7 @@ def view_of(snapshot: Snapshot, **fields: Any) -> View:
 
 def replayed(view: View, file: RobotFile = ARCHO) -> ReplayState:
     """The state after the first message of a recording of that view."""
-    state = ReplayState(file, {STATE: "std_msgs/msg/String"}, "/")
+    state = ReplayState(file, {STATE: "std_msgs/msg/String"})
     said = to_json(view, SINCE, with_events=True)
     state.apply(SINCE + 20.0, STATE, String(data=said))
     return state
@@ -168,13 +168,29 @@ def test_a_robot_that_does_not_report_its_stop_is_stopped_in_a_replay_too(here: 
     (here / "base.yaml").write_text(LATCHED)
     file = load.load(here / "base.yaml")
     topics = {STATE: "std_msgs/msg/String", "/motor_status": "archo_interfaces/msg/MotorStatus"}
-    state = ReplayState(file, topics, "/")
+    state = ReplayState(file, topics)
     live = Snapshot(file, latch=Latch.HELD, latch_time=SINCE)
     said = to_json(view_of(live), SINCE, with_events=True)
     state.apply(SINCE + 1.0, STATE, String(data=said))
     state.apply(SINCE + 1.1, "/motor_status", MotorStatus(moving=False))
     assert state.snapshot.is_stopped
     assert plain_text(motion_word(state.snapshot, SINCE + 1.2, 80)) == "✗ STOPPED"
+
+
+@pytest.mark.parametrize(
+    ("recorded", "namespace"),
+    [
+        (["/spare/battery_level", "/battery_level"], "/"),
+        (["/a/spare/battery_level", "/a/battery_level", "/a/motor_status"], "/a"),
+        (["/a/move_to_shelf/_action/feedback"], "/a"),
+        (["/chatter"], "/"),
+    ],
+)
+def test_the_robot_is_in_the_namespace_of_most_of_its_topics(
+    recorded: list[str], namespace: str
+) -> None:
+    state = ReplayState(ARCHO, dict.fromkeys(recorded, "x/msg/Y"))
+    assert state.snapshot.namespace == namespace
 
 
 TWO_KINDS = """
@@ -221,7 +237,7 @@ def left(state: ReplayState) -> float | None:
 def test_of_two_kinds_of_goal_on_one_action_each_has_its_feedback(
     place: int, two_kinds: RobotFile
 ) -> None:
-    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""}, "/")
+    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""})
     kind = two_kinds.goals[place]
     shows(state, Goal(kind, {"shelf_number": 7}, Phase.MOVING, 1.0, SINCE, id="01" * 16), 1.0)
     state.apply(SINCE + 2.0, FEEDBACK, feedback(1, 6.5))
@@ -229,7 +245,7 @@ def test_of_two_kinds_of_goal_on_one_action_each_has_its_feedback(
 
 
 def test_of_two_goals_at_once_each_has_its_own_feedback(two_kinds: RobotFile) -> None:
-    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""}, "/")
+    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""})
     kind = two_kinds.goals[0]
     first = Goal(kind, {"shelf_number": 7}, Phase.MOVING, 1.0, SINCE, number=1, id="01" * 16)
     second = first._replace(fields={"shelf_number": 8}, number=2, id="02" * 16)

@@ -44,7 +44,7 @@ def at(watcher: Watcher) -> float:
     return round(watcher.player.position - watcher.player.start, 3)
 
 
-async def test_it_cannot_be_mistaken_for_the_robot(drive: Path) -> None:
+async def test_it_cannot_be_mistaken_for_the_robot_and_ends_at_once(drive: Path) -> None:
     async with replay(drive) as watcher:
         begin = datetime.fromtimestamp(watcher.player.start)
         assert f"REPLAY {begin:%Y-%m-%d %H:%M:%S}" in watcher.text
@@ -54,9 +54,16 @@ async def test_it_cannot_be_mistaken_for_the_robot(drive: Path) -> None:
             assert word not in watcher.text
         await watcher.press("ctrl+x")
         assert "REPLAY: nothing was stopped" in watcher.text
+        await watcher.press("ctrl+c")
+        assert "Nothing is selected. Press q to quit." in watcher.text
+        await watcher.press("m")
+        await watcher.show(watcher.player.position + 0.5)  # The goal is sent by then.
+        assert watcher.app.view.snapshot.running_goal is not None
+        await watcher.press("q")
+        assert watcher.app._exit
 
 
-async def test_keys_of_the_time_line_move_it(drive: Path) -> None:
+async def test_keys_clicks_and_marks_move_it(drive: Path) -> None:
     async with replay(drive) as watcher:
         assert at(watcher) == 0.0
         end = round(watcher.player.end - watcher.player.start, 3)
@@ -73,10 +80,14 @@ async def test_keys_of_the_time_line_move_it(drive: Path) -> None:
         assert at(watcher) > first
         await watcher.press("comma")
         assert at(watcher) == first
-
-
-async def test_marks_lead_to_what_happened(drive: Path) -> None:
-    async with replay(drive) as watcher:
+        await watcher.press("home")
+        row = len(watcher.text.splitlines()) - 3
+        line = watcher.text.splitlines()[row]
+        begins, ends = line.index("●"), max(line.rindex(char) for char in "─┼" if char in line)
+        for column, place in ((ends, end), (begins, 0.0)):
+            click(watcher.app, column, row)
+            await watcher.settle()
+            assert at(watcher) == place
         said = []
         while "There is no mark after this moment." not in watcher.text:
             said.append(watcher.text.splitlines()[-2][18:].strip())
@@ -93,23 +104,19 @@ async def test_marks_lead_to_what_happened(drive: Path) -> None:
 async def test_it_plays_at_its_speed_to_the_end_and_from_the_begin_again(drive: Path) -> None:
     async with replay(drive) as watcher:
         await watcher.press("space")
-        watcher.time.passed += 2.0
-        await watcher.settle()
-        assert at(watcher) == 2.0
-        assert "▶ 1x" in watcher.text
-        await watcher.press("right_curly_bracket", "right_curly_bracket")
-        watcher.time.passed += 0.5
-        await watcher.settle()
-        assert at(watcher) == 4.0
-        assert "▶ 4x" in watcher.text
-        watcher.time.passed += 100.0
-        await watcher.settle()
-        assert at(watcher) == round(watcher.player.end - watcher.player.start, 3)
-        assert "‖ 4x" in watcher.text
-        await watcher.press("space")
-        assert at(watcher) == 0.0
-        await watcher.press(*["left_curly_bracket"] * 9)
-        assert "▶ 0.25x" in watcher.text
+        end = round(watcher.player.end - watcher.player.start, 3)
+        for keys, seconds, place, status in (
+            ((), 2.0, 2.0, "▶ 1x"),
+            (("right_curly_bracket", "right_curly_bracket"), 0.5, 4.0, "▶ 4x"),
+            ((), 100.0, end, "‖ 4x"),
+            (("space",), 0.0, 0.0, "▶ 4x"),
+            (["left_curly_bracket"] * 9, 0.0, 0.0, "▶ 0.25x"),
+        ):
+            await watcher.press(*keys)
+            watcher.time.passed += seconds
+            await watcher.settle()
+            assert at(watcher) == place
+            assert status in watcher.text
 
 
 async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
@@ -154,31 +161,3 @@ async def test_each_panel_is_reached_by_its_number(drive: Path) -> None:
                 await watcher.press(command.key)
                 await watcher.press("escape")
         assert watcher.app.is_running
-
-
-async def test_a_click_on_the_line_goes_there(drive: Path) -> None:
-    async with replay(drive) as watcher:
-        row = len(watcher.text.splitlines()) - 3
-        line = watcher.text.splitlines()[row]
-        first = line.index("●")
-        last = max(line.rindex(char) for char in "─┼" if char in line)
-        click(watcher.app, last, row)
-        await watcher.settle()
-        assert at(watcher) == round(watcher.player.end - watcher.player.start, 3)
-        click(watcher.app, first, row)
-        await watcher.settle()
-        assert at(watcher) == 0.0
-
-
-async def test_it_ends_at_once_whatever_ran_then(drive: Path) -> None:
-    async with replay(drive) as watcher:
-        await watcher.press("m")
-        assert watcher.app.view.snapshot.running_goal is not None
-        await watcher.press("q")
-        assert watcher.app._exit
-
-
-async def test_ctrl_c_says_how_to_quit(drive: Path) -> None:
-    async with replay(drive) as watcher:
-        await watcher.press("ctrl+c")
-        assert "Nothing is selected. Press q to quit." in watcher.text

@@ -8,9 +8,8 @@ from typing import get_args
 
 import pytest
 
-from archo_tui.robot_file import known_types
 from archo_tui.robot_file.load import parse
-from archo_tui.robot_file.model import RobotFile
+from archo_tui.robot_file.model import DIAGNOSTICS, RobotFile
 from archo_tui.robot_file.propose import Part, SeveralRobots, Sighting, propose, text_of
 
 pytestmark = pytest.mark.pure
@@ -59,12 +58,12 @@ def test_every_part_that_can_be_proposed_is_read_back() -> None:
     seen = [
         BATTERY,
         ODOMETRY,
-        Sighting("topic", "/tb1/diagnostics", (known_types.DIAGNOSTICS,), ("/tb1/base",), rate=1.0),
+        Sighting("topic", "/tb1/diagnostics", (DIAGNOSTICS,), ("/tb1/base",), rate=1.0),
         action("/tb1/dock", "irobot_create_msgs/action/Dock"),
         service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"),
         service("/tb1/lamp", "std_srvs/srv/SetBool"),
-        Sighting("topic", "/tb1/initialpose", (known_types.INITIAL_POSE,), ()),
-        Sighting("topic", "/tb1/words", (known_types.TEXT,), ()),
+        Sighting("topic", "/tb1/initialpose", ("geometry_msgs/msg/PoseWithCovarianceStamped",), ()),
+        Sighting("topic", "/tb1/words", ("std_msgs/msg/String",), ()),
     ]
     entries = propose(seen).entries
     assert {entry.part for entry in entries} == set(get_args(Part))

@@ -32,18 +32,13 @@ def greatest(history: History, quantity: Quantity, span: float, count: int, now:
     return [None if both is None else both[1] for both in ranges]
 
 
-def test_each_column_has_the_range_of_its_part() -> None:
+def test_each_column_has_the_range_of_its_part_and_an_hour_is_kept() -> None:
     found = filled(100).ranges("charge", 50.0, 5, 99.0)
     assert found == ((50, 59), (60, 69), (70, 79), (80, 89), (90, 99))
-
-
-def test_of_what_is_kept_no_longer_neither_time_nor_value_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("archo_tui.station.history._KEPT", 20)
-    history = filled(1000)
-    assert greatest(history, "charge", 5.0, 5, 999.0) == [995.0, 996.0, 997.0, 998.0, 999.0]
-    assert greatest(history, "charge", 1000.0, 1000, 999.0)[500] is None
+    assert None not in filled(20).ranges("charge", 10.0, 40, 19.0)[-36:]
+    long = greatest(filled(5000), "charge", 5000.0, 5000, 4999.0)
+    assert long.count(None) in range(1300, 1401)
+    assert long[-2:] == [4998.0, 4999.0]
 
 
 def test_a_column_that_is_past_never_changes() -> None:
@@ -54,11 +49,6 @@ def test_a_column_that_is_past_never_changes() -> None:
     )
     after = greatest(history, "charge", 50.0, 5, 101.0)
     assert after == [*before[1:4], 99.0, 7.0]
-
-
-def test_parts_shorter_than_a_second_have_no_gaps() -> None:
-    found = filled(20).ranges("charge", 10.0, 40, 19.0)
-    assert None not in found[-36:]
 
 
 def test_what_is_old_or_not_reported_is_a_gap() -> None:
@@ -147,27 +137,26 @@ async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> No
         assert "remaining -- m" in screen_text(app)
 
 
-def test_it_is_bounded_to_an_hour() -> None:
-    history = filled(5000)
-    assert greatest(history, "charge", 5000.0, 5000, 4999.0).count(None) in range(1300, 1401)
+FLAT = [(9.0, 9.0)] * 4
 
 
-def test_a_curve_joins_its_dots_and_dashes_the_row_of_a_mark() -> None:
-    assert curve([(0, 0), (0, 0), (3, 3), (3, 3)], 0, 3, 1) == ["⣀⡏"]
-    assert curve([None, (0.0, 0.0)], 0, 10, 2) == [" ", "⢀"]
-    assert curve([(8, 8), (8, 8), None, None], 0, 8, 2, mark=1.0) == ["⠉ ", "┄┄"]
-
-
-def test_a_curve_shows_the_least_and_the_greatest_that_each_dot_stands_for() -> None:
-    assert curve([(0, 3), (1, 1)], 0, 3, 1) == ["⡧"]
-    assert curve([(2, 3), (0, 0)], 0, 3, 1) == ["⢳"]
-
-
-def test_what_lies_between_a_curve_and_zero_is_filled_but_for_the_mark() -> None:
-    flat = [(9.0, 9.0)] * 4
-    assert curve(flat, 0, 9, 3) == ["⠉⠉", "░░", "░░"]
-    assert curve(flat, 0, 9, 3, mark=0.0) == ["⠉⠉", "░░", "┄┄"]
-    assert curve([(-9.0, -9.0)] * 2, -9, 9, 4) == [" ", " ", " ", "⣀"]
+@pytest.mark.parametrize(
+    ("values", "least", "greatest", "rows", "mark", "drawn"),
+    [
+        ([(0, 0), (0, 0), (3, 3), (3, 3)], 0, 3, 1, None, ["⣀⡏"]),
+        ([None, (0.0, 0.0)], 0, 10, 2, None, [" ", "⢀"]),
+        ([(8, 8), (8, 8), None, None], 0, 8, 2, 1.0, ["⠉ ", "┄┄"]),
+        ([(0, 3), (1, 1)], 0, 3, 1, None, ["⡧"]),  # what each dot stands for
+        ([(2, 3), (0, 0)], 0, 3, 1, None, ["⢳"]),
+        (FLAT, 0, 9, 3, None, ["⠉⠉", "░░", "░░"]),
+        (FLAT, 0, 9, 3, 0.0, ["⠉⠉", "░░", "┄┄"]),
+        ([(-9.0, -9.0)] * 2, -9, 9, 4, None, [" ", " ", " ", "⣀"]),
+    ],
+)
+def test_a_curve_joins_its_dots_is_filled_to_zero_and_dashes_a_mark(
+    values: Any, least: float, greatest: float, rows: int, mark: float | None, drawn: list[str]
+) -> None:
+    assert curve(values, least, greatest, rows, mark=mark) == drawn
 
 
 def test_a_plot_begins_with_the_start_and_grows_to_its_span() -> None:

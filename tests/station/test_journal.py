@@ -9,6 +9,7 @@ import resource
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,17 +34,30 @@ def entries(file: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
 
 
-def test_an_entry_is_one_line_that_says_when_who_and_what(tmp_path: Path) -> None:
+def test_an_entry_is_one_line_that_only_its_user_reads(
+    tmp_path: Path,
+) -> None:
     file = tmp_path / "new" / "journal.jsonl"
+    file.parent.mkdir(0o700)
+    file.touch(0o600)
+    file.write_text('{"v": 1, "ki')  # a line that was left broken is ended first
     kept = Journal(file)
     kept.write(1_700_000_000.5, "command", text="two\nlines \x1b[2J ü", level="YOU")
-    wait_until(lambda: len(entries(file)) == 1)  # before it is closed
-    (entry,) = entries(file)
+    wait_until(lambda: file.read_text().endswith("}\n"))  # before it is closed
+    entry = json.loads(file.read_text().splitlines()[1])
     assert entry["time"] == "2023-11-14T22:13:20.500+00:00"
     assert (entry["kind"], entry["text"]) == ("command", "two\nlines \x1b[2J ü")
     assert entry["user"]
     assert entry["v"] == 1
     kept.close()
+    kept = Journal(tmp_path / "other" / "journal.jsonl")
+    kept._lost = 7  # as many did not find room, which is told once
+    for number in range(3):
+        kept.write(0, "event", number=number)
+    kept.close()
+    made = tmp_path / "other" / "journal.jsonl"
+    assert [entry.get("lost_before") for entry in entries(made)] == [7, None, None]
+    assert (made.stat().st_mode & 0o777, made.parent.stat().st_mode & 0o777) == (0o600, 0o700)
 
 
 def test_it_is_rotated_at_its_bound(tmp_path: Path) -> None:
@@ -84,28 +98,39 @@ def test_a_disk_that_takes_nothing_is_tried_again(tmp_path: Path) -> None:
     assert [(e["text"], e["lost_before"]) for e in entries(file)] == [("kept", 2)]
 
 
-def test_a_lock_that_another_process_holds_is_a_failure_while_it_does(tmp_path: Path) -> None:
+def locked(path: Path) -> Callable[[], None]:
+    other = path.open("w")
+    fcntl.flock(other, fcntl.LOCK_EX)
+    return other.close
+
+
+def piped(path: Path) -> Callable[[], None]:
+    os.mkfifo(path)
+    return path.unlink
+
+
+@pytest.mark.parametrize(
+    ("name", "hinder", "said"),
+    [
+        ("journal.lock", locked, "held by another process"),
+        ("journal.jsonl", piped, "not a regular file"),
+        ("journal.lock", piped, "not a regular file"),
+    ],
+)
+def test_what_stands_in_its_way_is_a_failure_while_it_does(
+    tmp_path: Path, name: str, hinder: Callable[[Path], Callable[[], None]], said: str
+) -> None:
     file = tmp_path / "journal.jsonl"
-    with file.with_name("journal.lock").open("w") as other:
-        fcntl.flock(other, fcntl.LOCK_EX)
-        kept = Journal(file)
-        kept.write(0, "event", text="lost")
-        wait_until(lambda: kept.failure)
-        assert kept.failure == f"held by another process: {tmp_path / 'journal.lock'}"
+    end = hinder(tmp_path / name)
+    kept = Journal(file)
+    kept.write(0, "event", text="lost")
+    wait_until(lambda: kept.failure)
+    assert kept.failure == f"{said}: {tmp_path / name}"
+    end()
     kept.write(0, "event", text="kept")
     kept.close()
     assert kept.failure == ""
     assert [(e["text"], e["lost_before"]) for e in entries(file)] == [("kept", 1)]
-
-
-@pytest.mark.parametrize("name", ["journal.jsonl", "journal.lock"])
-def test_a_pipe_in_its_place_is_a_failure_and_holds_nobody_up(tmp_path: Path, name: str) -> None:
-    os.mkfifo(tmp_path / name)
-    kept = Journal(tmp_path / "journal.jsonl")
-    kept.write(0, "event", text="lost")
-    wait_until(lambda: kept.failure)
-    assert kept.failure == f"not a regular file: {tmp_path / name}"
-    kept.close()
 
 
 def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
@@ -217,16 +242,6 @@ async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
         await op.until("was: JOURNAL NOT WRITTEN, since ")
 
 
-def test_lost_entries_are_counted_once(tmp_path: Path) -> None:
-    file = tmp_path / "journal.jsonl"
-    kept = Journal(file)
-    kept._lost = 7  # as many did not find room
-    for number in range(3):
-        kept.write(0, "event", number=number)
-    kept.close()
-    assert [entry.get("lost_before") for entry in entries(file)] == [7, None, None]
-
-
 async def test_of_what_repeats_the_first_and_round_numbers_are_written() -> None:
     joints = ["Joint 1 overheated", "Joint 2 overheated"]
     async with operated(ros_args=FAST) as person:
@@ -243,23 +258,6 @@ async def test_of_what_repeats_the_first_and_round_numbers_are_written() -> None
     assert [e["text"] for e in found if e.get("source") == "arm"] == joints
     texts = [e["text"] for e in found if e.get("source") == "queue"]
     assert texts == [*(f"{number} wait" for number in range(100)), "999 wait", "1999 wait"]
-
-
-def test_nobody_else_may_read_it(tmp_path: Path) -> None:
-    file = tmp_path / "archo-tui" / "journal.jsonl"
-    kept = Journal(file)
-    kept.write(0, "event", text="x")
-    kept.close()
-    assert (file.stat().st_mode & 0o777, file.parent.stat().st_mode & 0o777) == (0o600, 0o700)
-
-
-def test_a_line_that_was_left_broken_is_ended_first(tmp_path: Path) -> None:
-    file = tmp_path / "journal.jsonl"
-    file.write_text('{"v": 1, "ki')
-    kept = Journal(file)
-    kept.write(0, "event", text="whole")
-    kept.close()
-    assert json.loads(file.read_text().splitlines()[1])["text"] == "whole"
 
 
 def test_a_full_disk_leaves_no_half_line(tmp_path: Path) -> None:
@@ -303,15 +301,6 @@ def test_two_consoles_that_rotate_at_once_lose_nothing_of_the_last_two_files(
     for name in ("a", "b"):
         numbers = [line["number"] for line in lines if line["writer"] == name]
         assert numbers == list(range(300))[300 - len(numbers) :]
-
-
-async def test_a_change_says_what_the_parameter_was() -> None:
-    async with console(*FAST) as op:
-        robot = op.app.station.robot
-        outcome = await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))
-        assert outcome.ok
-    said = [e["text"] for e in entries(journal_file()) if e["kind"] == "command"]
-    assert said == ["set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"]
 
 
 PLACE = {"file": "/r.yaml", "namespace": "/tb1", "engine": "ros2", "domain": 0}

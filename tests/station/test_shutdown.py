@@ -51,18 +51,25 @@ def robot(**options: Any) -> Any:
     return Robot(STATES["motor moving"], **options)
 
 
-async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
-    it = robot()
-    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
-    assert it.cancelled
-    assert it.said == ["WARN ended by SIGHUP: cancelling the goal to shelf 12"]
+RUNNING = STATES["motor moving"]
 
 
-async def test_the_goal_of_another_client_is_neither_cancelled_nor_spoken_of() -> None:
-    it: Any = Robot(STATES["motor moving"]._replace(goal=MOVING._replace(mine=False)))
-    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
-    assert not it.cancelled
-    assert it.said == []
+@pytest.mark.parametrize(
+    ("snapshot", "policy", "said"),
+    [
+        (RUNNING, CANCEL, "cancelling the goal to shelf 12"),
+        (RUNNING, LEAVE, "the goal to shelf 12 is left running"),
+        (RUNNING._replace(goal=MOVING._replace(mine=False)), CANCEL, ""),
+        (NORMAL, CANCEL, ""),
+    ],
+)
+async def test_the_consoles_own_goal_is_cancelled_or_left_as_was_chosen(
+    snapshot: Snapshot, policy: str, said: str
+) -> None:
+    it: Any = Robot(snapshot)
+    await let_go(it, clock.current or Clock(), policy, "ended by SIGHUP")
+    assert it.cancelled == said.startswith("cancelling")
+    assert it.said == ([f"WARN ended by SIGHUP: {said}"] if said else [])
 
 
 async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
@@ -71,19 +78,6 @@ async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
     await ended(let_go(it, clock.current or Clock(), CANCEL, "ended"))
     assert it.said[-1] == "ERROR no answer in 1 s: the goal may be running"
     assert clock.seconds() == pytest.approx(before + WAIT, abs=0.5)
-
-
-async def test_a_goal_is_left_running_when_that_was_chosen() -> None:
-    it = robot()
-    await let_go(it, clock.current or Clock(), LEAVE, "ended by SIGHUP")
-    assert not it.cancelled
-    assert it.said == ["WARN ended by SIGHUP: the goal to shelf 12 is left running"]
-
-
-async def test_without_a_goal_nothing_is_said() -> None:
-    it: Any = Robot(NORMAL)
-    await let_go(it, clock.current or Clock(), CANCEL, "ended")
-    assert it.said == []
 
 
 async def test_a_second_signal_does_not_begin_again() -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
@@ -20,7 +19,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
@@ -51,10 +50,7 @@ _Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name
 
 @lru_cache(200)
 def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
-    """Return the class of `package/kind/Name`, or raise Unreadable.
-
-    Definitions in another encoding than `ros2msg` are not compared.
-    """
+    """Return the class of `package/kind/Name`, or raise Unreadable."""
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:
@@ -68,7 +64,6 @@ def _find_class(type_name: str, encoding: str, definition_text: bytes) -> Any:
 
 
 def _load_class(parts: InterfaceType) -> Any:
-    """Return the class of a message or of an action's feedback message; None if not installed."""
     made = load_class(str(parts))
     if made is None and parts.kind == "action" and parts.name.endswith(_FEEDBACK):
         action = load_class(str(parts).removesuffix(_FEEDBACK))
@@ -77,10 +72,7 @@ def _load_class(parts: InterfaceType) -> Any:
 
 
 def _parse_layout(text: str, root: str) -> _Layout:
-    """Return the fields of each message of a definition, by `package/Name`; the first is `root`.
-
-    Constants, defaults, and the bounds of strings and sequences are left out: they take no bytes.
-    """
+    """Return the fields of each message by `package/Name`; bounds and defaults take no bytes."""
     found: _Layout = {}
     for number, part in enumerate(_SEPARATOR.split(text)):
         name, body = root, part
@@ -112,68 +104,36 @@ def _full_name(name: str, owner: str) -> str:
 
 MAX_MESSAGES, MAX_BYTES = 500_000, 100_000_000  # Of one reading, encoded.
 _MAX_MESSAGE_BYTES = 4_000_000  # Of a message; decoding more takes seconds.
-_MAX_FAULTS = 100  # Lines of a kind.
-_MAX_COUNTED = 100_000  # Messages that cannot be read; a higher count is of no use.
+_MAX_FAULTS = 100  # Lines.
 _MAX_REASON = 200  # Characters.
 _SUFFIX = ".mcap"
 _SQLITE = "an SQLite bag: `ros2 bag convert` makes an MCAP of it"
 _ZSTD = "compressed as a whole: unpack it (zstd -d FILE) and give what comes out"
 _ROS1 = "a ROS 1 bag: `rosbags-convert` makes a ROS 2 bag of it"
-# Advice by the suffix and by the first bytes of a file.
-_OTHER_SUFFIXES = {".db3": _SQLITE, ".mcap.zstd": _ZSTD, ".db3.zstd": _ZSTD, ".bag": _ROS1}
-_OTHER_MAGIC = {b"SQLite format 3": _SQLITE, b"\x28\xb5\x2f\xfd": _ZSTD, b"#ROSBAG": _ROS1}
+# Advice by the suffix of a file.
+_OTHERS = {".db3": _SQLITE, ".mcap.zstd": _ZSTD, ".db3.zstd": _ZSTD, ".bag": _ROS1}
 
 
 class Faults:
     """A bounded number of lines about what could not be read, each once."""
 
     def __init__(self) -> None:
-        self._lines: dict[str, None] = {}
-        self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
-        self._reasons: dict[str, str] = {}  # By topic, for its first message.
+        self._lines: dict[str, str] = {}  # By what they are about.
 
-    def add(self, text: str) -> None:
-        text = harmless(text)
-        if text not in self._lines:
-            self._lines[text if len(self._lines) < _MAX_FAULTS else "and more"] = None
+    def add(self, text: str, about: str = "") -> None:
+        """Add a line, unless there is one, or one about the same."""
+        about = about or text
+        if len(self._lines) < _MAX_FAULTS:
+            self._lines.setdefault(about, harmless(text))
+        elif about not in self._lines:
+            self._lines[""] = "and more"
 
-    def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
-        """Count a message that cannot be read, once however often that is tried."""
-        if len(self._unreadable) < _MAX_COUNTED:
-            self._unreadable[order] = topic
-            self._reasons.setdefault(topic, reason[:_MAX_REASON])
+    def add_message(self, topic: str, reason: str) -> None:
+        """Add that messages of a topic cannot be read, by the first reason for that."""
+        self.add(f"{topic}: some messages cannot be read: {reason[:_MAX_REASON]}", topic)
 
     def lines(self) -> list[str]:
-        """Return the lines, then one for each topic with its number of unreadable messages."""
-        counts = Counter(self._unreadable.values())
-        messages = [
-            harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({reason})")
-            for topic, reason in self._reasons.items()
-        ]
-        return [*self._lines, *messages[:_MAX_FAULTS]]
-
-
-class Topic(NamedTuple):
-    """A topic that can be decoded, by its full name."""
-
-    name: str
-    message_class: Any
-
-
-class EncodedMessage(NamedTuple):
-    """A message that is not decoded yet."""
-
-    time: int  # Its log time, in ns since the epoch.
-    order: tuple[int, int]  # The number of its part in the bag, and its offset there.
-    topic: Topic
-    data: bytes  # CDR.
-
-
-class ReadMessages(NamedTuple):
-    """The messages of one reading in the order of time; later ones are missing if it is cut."""
-
-    messages: list[EncodedMessage]
-    is_cut: bool
+        return [*self._lines.values()]
 
 
 class BagMessage(NamedTuple):
@@ -184,23 +144,23 @@ class BagMessage(NamedTuple):
     message: Any
 
 
+Encoded = tuple[int, str, bytes]  # Log time in ns since the epoch, topic, CDR.
+
+
 class _FilePart(NamedTuple):
     part: Part
     path: Path
-    topics: Mapping[int, Topic]  # Those that can be decoded, by channel.
+    topics: Mapping[int, str]  # Those that can be decoded, by channel.
 
 
 class BagFile:
-    """A ROS bag: a folder with .mcap files, or one such file.
-
-    `count` is the number of its messages, decodable or not, `types` the type of each topic that can
-    be decoded, and `robot` the text of the attached robot file. `start` and `end` are Unix times.
-    """
+    """A ROS bag: a folder with .mcap files, or one such file. `start` and `end` are Unix times."""
 
     def __init__(self, path: Path) -> None:
         """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
         self.path, self.count, self.robot = path, 0, ""
         self.types: dict[str, str] = {}
+        self._classes: dict[str, Any] = {}  # By topic, as `types`.
         self._faults = Faults()
         self._parts: list[_FilePart] = []
         first, last, refused, files = 2**64, 0, list[ArchoError](), _mcap_files(path)
@@ -235,59 +195,60 @@ class BagFile:
         wanted: Container[str],
         on_cut: Callable[[], None] = lambda: None,
     ) -> Iterator[BagMessage]:
-        """Yield the decoded messages of topics from one Unix time to another, both included.
-
-        All are loaded before the first is yielded. Too many are cut, which `on_cut` hears first.
-        """
-        from rclpy.serialization import deserialize_message
-
+        """Yield the decoded messages between two Unix times; `on_cut` says that some lack."""
         found, is_cut = self._read(begin, end, wanted, self._faults)
         if is_cut:
             on_cut()
         found.reverse()
         while found:
-            encoded = found.pop()  # Frees its bytes once it is decoded.
+            time, topic, data = found.pop()  # Frees its bytes once it is decoded.
             try:
-                message = deserialize_message(encoded.data, encoded.topic.message_class)
-            except Exception as error:  # Of many kinds: message classes check their values, too.
-                self._faults.add_message(encoded.topic.name, encoded.order, str(error))
-                continue
-            yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
+                yield BagMessage(time / 1e9, topic, self.decode(topic, data))
+            except ArchoError as error:
+                self._faults.add_message(topic, str(error))
 
-    def encoded_messages(self, begin: float, end: float, topic: str) -> tuple[ReadMessages, Faults]:
-        """Return the messages of a topic as `messages` has them, but encoded, and what is left out.
+    def decode(self, topic: str, data: bytes) -> Any:
+        """Return a message of a topic; ArchoError if it cannot be decoded."""
+        from rclpy.serialization import deserialize_message
 
-        `faults` does not tell of it.
-        """
+        try:
+            return deserialize_message(data, self._classes[topic])
+        except Exception as error:  # Of many kinds: message classes check their values, too.
+            raise ArchoError(in_one_line(error)) from None
+
+    def encoded_messages(
+        self, begin: float, end: float, topic: str
+    ) -> tuple[list[Encoded], bool, list[str]]:
+        """Return messages of a topic, whether there were too many, and what is left out."""
         faults = Faults()
-        return self._read(begin, end, (topic,), faults), faults
+        return *self._read(begin, end, (topic,), faults), faults.lines()
 
     def _read(
         self, begin: float, end: float, wanted: Container[str], faults: Faults
-    ) -> ReadMessages:
-        found, left, budget = list[EncodedMessage](), MAX_BYTES, Budget()
-        channels: dict[Path, dict[int, Topic]] = {}
+    ) -> tuple[list[Encoded], bool]:
+        found, left, budget = list[Encoded](), MAX_BYTES, Budget()
+        channels: dict[Path, dict[int, str]] = {}
         is_cut = False
-        for number, (part, path, topics) in enumerate(self._parts):
+        for part, path, topics in self._parts:
             if part.start / 1e9 > end:
                 break
             if path not in channels:
-                channels[path] = {n: topic for n, topic in topics.items() if topic.name in wanted}
+                channels[path] = {n: topic for n, topic in topics.items() if topic in wanted}
             named = channels[path]
             if part.end / 1e9 < begin or not named:
                 continue
             try:
                 with _opened(path) as file:
-                    for channel, time, at, data in mcap_file.messages_of(file, part, named, budget):
+                    for channel, time, data in mcap_file.messages_of(file, part, named, budget):
                         if len(data) > _MAX_MESSAGE_BYTES:
                             size = f"larger than {_MAX_MESSAGE_BYTES // 10**6} MB"
-                            faults.add_message(named[channel].name, (number, at), size)
+                            faults.add_message(named[channel], size)
                         elif begin <= time / 1e9 <= end:
                             left -= len(data)
                             if left < 0 or len(found) == MAX_MESSAGES:
                                 limit = f"{MAX_MESSAGES:,} messages or {MAX_BYTES // 10**6} MB"
                                 raise BudgetExceeded(f"more than {limit} at a time")
-                            found.append(EncodedMessage(time, (number, at), named[channel], data))
+                            found.append((time, named[channel], data))
             except BudgetExceeded as error:
                 faults.add(f"{error}: the rest is left out")
                 is_cut = True
@@ -299,8 +260,8 @@ class BagFile:
                 faults.add(str(error))
             except OSError as error:
                 faults.add(f"{path.name}: {error.strerror}")
-        found.sort(key=itemgetter(0, 1))
-        return ReadMessages(found, is_cut)
+        found.sort(key=itemgetter(0))  # Else in the order of the file.
+        return found, is_cut
 
     def _index_file(self, path: Path, budget: Budget) -> Index:
         def fault(text: str) -> None:
@@ -312,11 +273,8 @@ class BagFile:
         self._parts += [_FilePart(part, path, topics) for part in index.parts]
         return index
 
-    def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
-        """Return the topics that can be decoded, by channel; raise ArchoError for another system's.
-
-        Their types are noted, the other topics are faults.
-        """
+    def _readable_topics(self, path: Path, index: Index) -> dict[int, str]:
+        """Return the topics that can be decoded, by channel; the others become faults."""
         encodings = {channel.message_encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
             if index.profile == "ros1":
@@ -339,14 +297,13 @@ class BagFile:
                 if schema.encoding != "ros2msg":
                     read_as = f"its definition is not compared: read as {schema.name} here"
                     self._faults.add(f"{topic}: {read_as}")
-                found[number] = Topic(topic, kind)
+                found[number], self._classes[topic] = topic, kind
             except Unreadable as error:
                 self._faults.add(f"{topic}: left out: {error}")
         return found
 
 
 def _mcap_files(path: Path) -> list[Path]:
-    """Return the .mcap files of a folder by name, or the path itself if it is no folder."""
     try:
         if not path.is_dir():
             return [path]
@@ -356,10 +313,13 @@ def _mcap_files(path: Path) -> list[Path]:
     found = [path / name for name in names if name.endswith(_SUFFIX) and name[0] != "."]
     if found:
         return found
-    for suffix, advice in _OTHER_SUFFIXES.items():
-        if any(name.endswith(suffix) for name in names):
-            raise _error(path, advice)
-    raise _error(path, "no .mcap file is in it: give the folder of a bag")
+    raise _error(path, _advice(*names) or "no .mcap file is in it: give the folder of a bag")
+
+
+def _advice(*names: str) -> str:
+    """Return how to read a file of another format; "" if none of the names is one's."""
+    found = (advice for suffix, advice in _OTHERS.items() if any(n.endswith(suffix) for n in names))
+    return next(found, "")
 
 
 @contextmanager
@@ -373,26 +333,15 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
         raise _error(path, _reason(error)) from None
     with open(descriptor, "rb") as file:
         try:
-            begin = file.read(16)
+            begin = file.read(len(MAGIC))
         except OSError as error:
             raise _error(path, _reason(error)) from None
-        if not begin.startswith(MAGIC):
-            raise _error(path, _other_format(begin))
+        if not begin:
+            raise _error(path, "it is empty: nothing was recorded in it")
+        if begin != MAGIC:
+            none = "not a bag: give a .mcap file, or a folder with some"
+            raise _error(path, _advice(path.name) or none)
         yield file
-
-
-def _other_format(begin: bytes) -> str:
-    """Return what a file is that begins so, and how to read it."""
-    if not begin:
-        return "it is empty: nothing was recorded in it"
-    for magic, advice in _OTHER_MAGIC.items():
-        if begin.startswith(magic):
-            return advice
-    if begin[:5] == MAGIC[:5] and begin[6:8] == MAGIC[6:]:
-        return "MCAP of another version: `mcap recover` may read it"
-    if MAGIC.startswith(begin):
-        return "cut off in its first bytes: nothing of it can be read"
-    return "not a bag: give a .mcap file, or a folder with some"
 
 
 def _reason(error: OSError | ValueError) -> str:

@@ -29,8 +29,9 @@ _WINDOW = 2**26  # Bytes that zstd may look back; its own writers ask for 8 MB a
 _ROBOT = "robot.yaml"
 
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _MESSAGE_INDEX = range(1, 8)
-_ATTACHMENT = 9
-_END_RECORDS = ((15, 4), (_FOOTER, 20))  # Opcode and length of the records after all messages.
+_ATTACHMENT, _DATA_END = 9, 15
+_CUT = 0  # In place of an opcode: here the file is cut off or damaged.
+_END_RECORDS = ((_DATA_END, 4), (_FOOTER, 20))  # Opcode and length of the records after messages.
 _FRAME = Struct("<BQ")  # Opcode and length, before each record.
 _MESSAGE_HEAD = Struct("<HIQQ")  # Channel, sequence, log time, publish time.
 _CHUNK_TIMES = Struct("<QQ")
@@ -48,11 +49,8 @@ _NAMES = {
 class Unreadable(Exception):
     """A part of a file cannot be read, and in a few words why; the rest may be readable."""
 
-
-class _Damaged(Unreadable):
-    def __init__(self, offset: int, opcode: int = 0) -> None:
-        super().__init__("damaged")
-        self.offset, self.opcode = offset, opcode  # Of the record.
+    def __init__(self, why: str = "damaged") -> None:
+        super().__init__(why)
 
 
 class BudgetExceeded(Exception):
@@ -91,64 +89,167 @@ class Part(NamedTuple):
     is_cut: bool = False  # The file ends within it.
 
 
-class Index:
-    """The index of a file, filled record by record; `fault` gets what is damaged or too large."""
+class _Record(NamedTuple):
+    opcode: int
+    offset: int  # Of its content, in bytes.
+    length: int
+    is_cut: bool = False  # The file ends within it.
 
-    def __init__(self, budget: Budget, fault: Callable[[str], None]) -> None:
+
+class Index:
+    """The index of a file; `fault` gets what is damaged or too large."""
+
+    def __init__(
+        self, file: BinaryIO, size: int, budget: Budget, fault: Callable[[str], None]
+    ) -> None:
         self.profile = self.robot = ""
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
         self.parts: list[Part] = []
         self.start, self.end, self.count = 2**64, 0, 0  # Times in ns, of all messages.
-        self.fault, self._budget = fault, budget
+        self._file, self._size, self._budget, self._fault = file, size, budget, fault
 
-    def add(self, opcode: int, content: bytes) -> None:
-        """Take in a header, schema, channel or attachment; one whose id is known is ignored."""
-        try:
-            self._add(opcode, content)
-        except Unreadable as error:
-            self.fault(f"{_NAMES[opcode]} is left out: {error}")
-        except Exception:  # Of many kinds: struct's, mcap's, UnicodeDecodeError.
-            self.fault(f"{_NAMES[opcode]} is left out: damaged")
+    def fill(self) -> None:
+        """Read the records between the chunks; unpack a chunk only if its index lacks something."""
+        records = _records(self._file, len(MAGIC), self._size, self._budget)
+        record = next(records, None)
+        while record is not None and (record.opcode, record.length) not in _END_RECORDS:
+            self._file.seek(record.offset)
+            if record.opcode == _CHUNK:
+                record = self._add_chunk(record, records)
+            elif record.opcode == _MESSAGE:
+                record = self._add_run(record, records)
+            elif record.opcode == _CUT:
+                self._fault_of_cut(record.offset)
+                return
+            else:
+                self._take(record)
+                record = next(records, None)
+        if record is None:
+            self._fault_of_cut(self._size)
 
-    def _add(self, opcode: int, content: bytes) -> None:
+    def _fault_of_cut(self, offset: int) -> None:
+        self._fault(f"cut off or damaged after {offset} bytes: what stands before is read")
+
+    def _read(self, count: int) -> bytes:
+        self._budget.spend(size=count)
+        return self._file.read(count)
+
+    def _take(self, record: _Record) -> None:
+        if record.opcode == _ATTACHMENT:
+            name = self._file.read(min(record.length, _NAME_END))
+            if name[16:] != len(_ROBOT).to_bytes(4, "little") + _ROBOT.encode():
+                return
+            if record.length > _MAX_METADATA:
+                most = f"{_MAX_METADATA // 10**6} MB"
+                self._fault(f"{_ROBOT} is left out: larger than {most}")
+                return
+            self._parse(_ATTACHMENT, name + self._read(record.length - len(name)))
+        elif record.opcode in _NAMES:
+            self._parse(record.opcode, self._read(min(record.length, _MAX_METADATA)))
+
+    def _parse(self, opcode: int, content: bytes) -> None:
+        """Parse a record of metadata; one whose id is known is ignored."""
         from mcap import records
         from mcap.data_stream import ReadDataStream
 
         stream, number = ReadDataStream(BytesIO(content)), int.from_bytes(content[:2], "little")
-        if opcode == _HEADER:
-            self.profile = stream.read_prefixed_string()
-        elif opcode == _SCHEMA and number not in self.schemas:
-            self._budget.describe(len(content))
-            self.schemas[number] = records.Schema.read(stream)
-        elif opcode == _CHANNEL and number not in self.channels:
-            self._budget.describe(len(content))
-            self.channels[number] = records.Channel.read(stream)
-        elif opcode == _ATTACHMENT and not self.robot:
-            crc = int.from_bytes(content[-4:], "little")  # 0: the writer left it out.
-            if crc and crc != zlib.crc32(content[:-4]):
-                raise Unreadable("damaged")
-            self.robot = records.Attachment.read(stream).data.decode()
+        try:
+            if opcode == _HEADER:
+                self.profile = stream.read_prefixed_string()
+            elif opcode == _SCHEMA and number not in self.schemas:
+                self._budget.describe(len(content))
+                self.schemas[number] = records.Schema.read(stream)
+            elif opcode == _CHANNEL and number not in self.channels:
+                self._budget.describe(len(content))
+                self.channels[number] = records.Channel.read(stream)
+            elif opcode == _ATTACHMENT and not self.robot:
+                crc = int.from_bytes(content[-4:], "little")  # 0: the writer left it out.
+                if crc and crc != zlib.crc32(content[:-4]):
+                    raise Unreadable
+                self.robot = records.Attachment.read(stream).data.decode()
+        except Unreadable as error:
+            self._fault(f"{_NAMES[opcode]} is left out: {error}")
+        except Exception:  # Of many kinds: struct's, mcap's, UnicodeDecodeError.
+            self._fault(f"{_NAMES[opcode]} is left out: damaged")
 
-    def add_part(self, part: Part) -> None:
+    def _add_part(self, part: Part, count: int) -> None:
         self._budget.spend(records=_PART)
+        self.start, self.end = min(self.start, part.start), max(self.end, part.end)
+        self.count += count
         self.parts.append(part)
 
-    def add_times(self, start: int, end: int, count: int) -> None:
-        """Count messages, and widen the time of the file by their first and last log time."""
-        self.start, self.end = min(self.start, start), max(self.end, end)
-        self.count += count
+    def _add_run(self, message: _Record, records: Iterator[_Record]) -> _Record | None:
+        """Add the messages that follow each other as one part; return the record behind them."""
+        start, end, count, begin = 2**64, 0, 0, message.offset - _FRAME.size
+        record: _Record | None = message
+        behind = begin
+        try:
+            while record is not None and record.opcode == _MESSAGE and behind - begin < _MAX_RUN:
+                self._file.seek(record.offset)
+                head = self._file.read(min(record.length, _MESSAGE_HEAD.size))
+                if len(head) < _MESSAGE_HEAD.size or record.length > MAX_RECORD:
+                    self._fault("messages that are damaged or too large are left out")
+                    record = next(records, None)
+                    break
+                time = _MESSAGE_HEAD.unpack(head)[2]
+                start, end, count = min(start, time), max(end, time), count + 1
+                behind = record.offset + record.length
+                record = next(records, None)
+        finally:
+            if count:
+                self._add_part(Part(start, end, begin, behind - begin, is_chunk=False), count)
+        return record
+
+    def _add_chunk(self, chunk: _Record, records: Iterator[_Record]) -> _Record | None:
+        """Add a chunk by its message index, else by what it holds; return the record behind it."""
+        times = self._file.read(_CHUNK_TIMES.size)
+        start, end = _CHUNK_TIMES.unpack(times) if len(times) == _CHUNK_TIMES.size else (0, 0)
+        part = Part(
+            *(start, end, chunk.offset - _FRAME.size, chunk.length + _FRAME.size),
+            is_chunk=True,
+            is_cut=chunk.is_cut,
+        )
+        listed, channels = 0, set[int]()
+        record = next(records, None)
+        while record is not None and record.opcode == _MESSAGE_INDEX:
+            self._file.seek(record.offset)
+            head = self._file.read(min(record.length, _MESSAGE_INDEX_HEAD.size))
+            if len(head) == _MESSAGE_INDEX_HEAD.size:
+                channel, size = _MESSAGE_INDEX_HEAD.unpack(head)
+                channels.add(channel)
+                listed += min(size, record.length) // _MESSAGE_INDEX_ENTRY
+            record = next(records, None)
+        if listed and channels <= self.channels.keys() and start <= end:
+            self._add_part(part, listed)
+            return record
+        try:
+            self._look_into(part)
+        except Unreadable as error:
+            if not part.is_cut:  # That has its own fault.
+                self._fault(f"the chunk at {part.offset} bytes: {error}")
+        return record
+
+    def _look_into(self, chunk: Part) -> None:
+        """Take in what a chunk holds; what stands before damage counts."""
+        start, end, count = 2**64, 0, 0
+        try:
+            for opcode, content in _records_of(self._file, chunk, self._budget):
+                if opcode == _MESSAGE:
+                    time = _MESSAGE_HEAD.unpack_from(content)[2]
+                    start, end, count = min(start, time), max(end, time), count + 1
+                elif opcode in (_SCHEMA, _CHANNEL):
+                    self._parse(opcode, bytes(content))
+        finally:
+            if count:
+                self._add_part(chunk._replace(start=start, end=end), count)
 
 
 def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str], None]) -> Index:
-    """Return what a file holds; the records between its chunks tell it, so few are unpacked.
-
-    The summary at the end of a file is not used: it is missing in one that was cut off, and may
-    lie. If the disk fails or the budget ends, what was found until then counts.
-    """
-    index = Index(budget, fault)
+    """Return what a file holds. Its summary is not used: a file that was cut off has none."""
+    index = Index(file, size, budget, fault)
     try:
-        _Scan(file, size, index, budget).run()
+        index.fill()
     except BudgetExceeded as error:
         fault(f"{error}: the rest is left out")
     except OSError as error:
@@ -158,41 +259,40 @@ def read_index(file: BinaryIO, size: int, budget: Budget, fault: Callable[[str],
 
 def messages_of(
     file: BinaryIO, part: Part, channels: Mapping[int, object], budget: Budget
-) -> Iterator[tuple[int, int, int, bytes]]:
-    """Yield channel, log time, offset in the part, and content of messages, as the file has them.
-
-    Raises OSError, BudgetExceeded, or Unreadable behind the last message before the damage.
-    """
-    data = _read_part(file, part, budget)
-    for opcode, offset, length in _records(BytesIO(data), 0, len(data), budget):
+) -> Iterator[tuple[int, int, bytes]]:
+    """Yield channel, log time and content of messages; raise Unreadable where the damage begins."""
+    for opcode, content in _records_of(file, part, budget):
         if opcode == _MESSAGE:
-            if length < _MESSAGE_HEAD.size:
-                raise _Damaged(offset)
-            channel, _, time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
+            channel, _, time, _ = _MESSAGE_HEAD.unpack_from(content)
             if channel in channels:
-                begin, end = offset + _MESSAGE_HEAD.size, offset + length
-                yield channel, time, offset, data[begin:end]
+                yield channel, time, bytes(content[_MESSAGE_HEAD.size :])
 
 
-def _records(
-    file: BinaryIO, offset: int, end: int, budget: Budget
-) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, and offset and length of the content, of each record; raise _Damaged at none.
+def _records_of(file: BinaryIO, part: Part, budget: Budget) -> Iterator[tuple[int, memoryview]]:
+    """Yield opcode and content of each record in a part; raise Unreadable where damage begins."""
+    data = _read_part(file, part, budget)
+    view = memoryview(data)
+    for opcode, offset, length, _ in _records(BytesIO(data), 0, len(data), budget):
+        if opcode == _CUT or (opcode == _MESSAGE and length < _MESSAGE_HEAD.size):
+            raise Unreadable
+        yield opcode, view[offset : offset + length]
 
-    A record with opcode 0, as files of zeros have it, is none.
-    """
+
+def _records(file: BinaryIO, offset: int, end: int, budget: Budget) -> Iterator[_Record]:
+    """Yield each record; where none can be, the rest if it is of a chunk, then one that is _CUT."""
     while offset < end:
         budget.spend(records=1)
         file.seek(offset)
         head = file.read(_FRAME.size) if end - offset >= _FRAME.size else b""
-        if len(head) < _FRAME.size:
-            raise _Damaged(offset)
-        opcode, length = _FRAME.unpack(head)
-        if opcode == 0 or length > end - offset - _FRAME.size:
-            raise _Damaged(offset, opcode)
-        offset += _FRAME.size
-        yield opcode, offset, length
-        offset += length
+        opcode, length = _FRAME.unpack(head) if len(head) == _FRAME.size else (_CUT, 0)
+        content, left = offset + _FRAME.size, end - offset - _FRAME.size
+        if opcode == _CUT or length > left:
+            if opcode == _CHUNK:
+                yield _Record(_CHUNK, content, left, is_cut=True)
+            yield _Record(_CUT, offset, 0)
+            return
+        yield _Record(opcode, content, length)
+        offset = content + length
 
 
 def _read_part(file: BinaryIO, part: Part, budget: Budget) -> bytes:
@@ -204,10 +304,10 @@ def _read_part(file: BinaryIO, part: Part, budget: Budget) -> bytes:
     if not part.is_chunk:
         return file.read(part.size)
     head = file.read(_FRAME.size)
-    opcode, length = _FRAME.unpack(head) if len(head) == _FRAME.size else (0, 0)
-    size = part.size - _FRAME.size  # Below 0 if the file ended within the frame.
-    if opcode != _CHUNK or size < 0 or (length != size and not part.is_cut):
-        raise _Damaged(part.offset)
+    opcode, length = _FRAME.unpack(head) if len(head) == _FRAME.size else (_CUT, 0)
+    size = part.size - _FRAME.size
+    if opcode != _CHUNK or (length != size and not part.is_cut):
+        raise Unreadable
     return _unpack(file.read(size), budget, is_cut=part.is_cut)
 
 
@@ -220,170 +320,38 @@ def _unpack(content: bytes, budget: Budget, *, is_cut: bool) -> bytes:
         chunk = Chunk.read(ReadDataStream(BytesIO(content)))
         del content
     except Exception:  # Of many kinds: struct's, mcap's, UnicodeDecodeError.
-        raise Unreadable("damaged") from None
+        raise Unreadable from None
     size = chunk.uncompressed_size
     if size > MAX_RECORD:
         raise Unreadable(f"larger than {MAX_RECORD // 10**6} MB")
-    if chunk.compression not in _UNPACKERS:
-        raise Unreadable(f"compressed by {chunk.compression}, which is not known here")
     try:
-        data = _UNPACKERS[chunk.compression](chunk.data, size + 1)
+        data = _unpacked(chunk.compression, chunk.data, size + 1)
+    except Unreadable:
+        raise
     except ImportError as error:
         package = str(error.name).partition(".")[0]
         raise Unreadable(f"compressed: pip install {package} reads it") from None
     except Exception:  # Of many kinds: ZstdError, RuntimeError, EOFError.
-        raise Unreadable("damaged") from None
+        raise Unreadable from None
     budget.spend(size=len(data))
     crc = chunk.uncompressed_crc  # 0: the writer left it out.
     if not is_cut and (len(data) != size or (crc and zlib.crc32(data) != crc)):
-        raise Unreadable("damaged")
+        raise Unreadable
     return data[:size]
 
 
-def _unpack_zstd(data: bytes, most: int) -> bytes:
-    import zstandard
+def _unpacked(compression: str, data: bytes, most: int) -> bytes:
+    """Unpack at most so many bytes; mcap's own functions unpack without a bound."""
+    if not compression:
+        return data
+    if compression == "zstd":
+        import zstandard
 
-    with zstandard.ZstdDecompressor(max_window_size=_WINDOW).stream_reader(data) as reader:
-        return reader.read(most)
+        with zstandard.ZstdDecompressor(max_window_size=_WINDOW).stream_reader(data) as reader:
+            return reader.read(most)
+    if compression == "lz4":
+        from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
-
-def _unpack_lz4(data: bytes, most: int) -> bytes:
-    from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
-
-    found: bytes = LZ4FrameDecompressor().decompress(data, max_length=most)
-    return found
-
-
-# mcap's own functions unpack without a bound.
-_UNPACKERS: Mapping[str, Callable[[bytes, int], bytes]] = {
-    "": lambda data, _: data,
-    "zstd": _unpack_zstd,
-    "lz4": _unpack_lz4,
-}
-
-
-class _Scan:
-    """A pass over a file from its beginning, also over one that was cut off.
-
-    A chunk whose message index tells enough is not unpacked.
-    """
-
-    def __init__(self, file: BinaryIO, size: int, index: Index, budget: Budget) -> None:
-        self._file, self._size, self._index, self._budget = file, size, index, budget
-        self._open: Part | None = None  # The chunk or run that the next records may belong to.
-        self._listed = 0  # The messages that the message index of an open chunk lists,
-        self._channels: set[int] = set()  # and their channels.
-
-    def run(self) -> None:
-        """Fill the index up to the end of the messages, or to where the file is cut."""
-        records = _records(self._file, len(MAGIC), self._size, self._budget)
-        try:
-            for opcode, offset, length in records:
-                if (opcode, length) in _END_RECORDS:
-                    break
-                self._take(opcode, offset, length)
-            else:
-                raise _Damaged(self._size)
-        except _Damaged as cut:
-            self._close()
-            if cut.opcode == _CHUNK:
-                self._open_chunk(cut.offset, self._size - cut.offset, is_cut=True)
-            text = f"cut off or damaged after {cut.offset} bytes: what stands before is read"
-            self._index.fault(text)
-        finally:
-            if self._open is not None and not self._open.is_chunk:
-                self._close()
-        self._close()
-
-    def _take(self, opcode: int, offset: int, length: int) -> None:
-        if opcode not in (_MESSAGE, _MESSAGE_INDEX):
-            self._close()  # It may read a chunk, so only now:
-        self._file.seek(offset)
-        if opcode == _MESSAGE:
-            self._on_message(offset - _FRAME.size, length)
-        elif opcode == _MESSAGE_INDEX:
-            self._on_message_index(length)
-        elif opcode == _CHUNK:
-            self._open_chunk(offset - _FRAME.size, length + _FRAME.size)
-        elif opcode == _ATTACHMENT:
-            self._on_attachment(length)
-        elif opcode in _NAMES:
-            self._index.add(opcode, self._read(min(length, _MAX_METADATA)))
-
-    def _read(self, count: int) -> bytes:
-        self._budget.spend(size=count)
-        return self._file.read(count)
-
-    def _on_message(self, offset: int, length: int) -> None:
-        head = self._file.read(min(length, _MESSAGE_HEAD.size))
-        if len(head) < _MESSAGE_HEAD.size or length > MAX_RECORD:
-            self._index.fault("messages that are damaged or too large are left out")
-            return
-        time = _MESSAGE_HEAD.unpack(head)[2]
-        self._index.add_times(time, time, 1)
-        size, run = _FRAME.size + length, self._open
-        if run and not run.is_chunk and run.size < _MAX_RUN and run.offset + run.size == offset:
-            start, end = min(run.start, time), max(run.end, time)
-            self._open = Part(start, end, run.offset, run.size + size, is_chunk=False)
-            return
-        self._close()
-        self._open = Part(time, time, offset, size, is_chunk=False)
-
-    def _on_message_index(self, length: int) -> None:
-        head = self._file.read(min(length, _MESSAGE_INDEX_HEAD.size))
-        if len(head) == _MESSAGE_INDEX_HEAD.size:
-            channel, size = _MESSAGE_INDEX_HEAD.unpack(head)
-            self._channels.add(channel)
-            self._listed += min(size, length) // _MESSAGE_INDEX_ENTRY
-
-    def _on_attachment(self, length: int) -> None:
-        """Add the attachment with the robot file to the index; others are not read."""
-        name = self._file.read(min(length, _NAME_END))
-        if name[16:] != len(_ROBOT).to_bytes(4, "little") + _ROBOT.encode():
-            return
-        if length > _MAX_METADATA:
-            self._index.fault(f"{_ROBOT} is left out: larger than {_MAX_METADATA // 10**6} MB")
-            return
-        self._index.add(_ATTACHMENT, name + self._read(length - len(name)))
-
-    def _open_chunk(self, offset: int, size: int, *, is_cut: bool = False) -> None:
-        self._file.seek(offset + _FRAME.size)
-        times = self._file.read(_CHUNK_TIMES.size)
-        start, end = _CHUNK_TIMES.unpack(times) if len(times) == _CHUNK_TIMES.size else (0, 0)
-        self._open = Part(start, end, offset, size, True, is_cut)
-        self._listed, self._channels = 0, set()
-
-    def _close(self) -> None:
-        """Add the open part to the index; a chunk without a full message index is unpacked."""
-        part, self._open = self._open, None
-        if part is None:
-            return
-        if not part.is_chunk:
-            self._index.add_part(part)
-            return
-        is_described = self._listed and self._channels <= self._index.channels.keys()
-        if is_described and part.start <= part.end:
-            self._index.add_times(part.start, part.end, self._listed)
-            self._index.add_part(part)
-            return
-        try:
-            self._scan_chunk(part)
-        except Unreadable as error:
-            if not part.is_cut:  # That has its own fault.
-                self._index.fault(f"the chunk at {part.offset} bytes: {error}")
-
-    def _scan_chunk(self, chunk: Part) -> None:
-        """Take in what a chunk holds; what stands before damage counts."""
-        start, end, count = 2**64, 0, 0
-        data = _read_part(self._file, chunk, self._budget)
-        try:
-            for opcode, at, length in _records(BytesIO(data), 0, len(data), self._budget):
-                if opcode == _MESSAGE and length >= _MESSAGE_HEAD.size:
-                    time = _MESSAGE_HEAD.unpack_from(data, at)[2]
-                    start, end, count = min(start, time), max(end, time), count + 1
-                elif opcode in (_SCHEMA, _CHANNEL):
-                    self._index.add(opcode, data[at : at + length])
-        finally:
-            if count:
-                self._index.add_times(start, end, count)
-                self._index.add_part(chunk._replace(start=start, end=end))
+        found: bytes = LZ4FrameDecompressor().decompress(data, max_length=most)
+        return found
+    raise Unreadable(f"compressed by {compression}, which is not known here")

@@ -8,6 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from math import floor
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,20 +16,19 @@ from archo_tui.clock import Clock, time_of_day
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recordings import store
-from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.console import JOURNAL
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.state import (
-    MAX_SILENCE,
     ROSOUT,
     Checkpoint,
     ReplayState,
-    guess_namespace,
 )
 from archo_tui.robot.state.events import OWN_LEVELS
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.alarms import Alarm, AlarmBoard, AlarmState
+from archo_tui.station.conditions import Situation, conditions
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.text.event import event_text
@@ -36,21 +36,20 @@ from archo_tui.text.event import event_text
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 _SPAN = 3600.0  # Seconds in memory.
 _CHECKPOINT_EVERY = 250  # Messages.
+_MAX_SILENCE = 3600  # Seconds without a message that are looked at.
 _FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 
 
 class TimelineMark(NamedTuple):
-    """An event or alarm on the time line."""
+    """Something that happened."""
 
     time: float  # Unix time, in s.
-    text: str
+    text: str  # On the time line; "" for what only a report tells.
+    line: str  # Of a report.
 
 
 class _Window:
-    """The messages of an hour, with a checkpoint at every few hundred: any moment is near one.
-
-    One thread fills it while another one reads. All times are Unix times.
-    """
+    """The messages of an hour, with checkpoints. One thread fills it while another one reads."""
 
     def __init__(self, begin: float, end: float) -> None:
         self.begin = begin
@@ -64,39 +63,69 @@ class _Window:
         self._times: list[float] = []
         self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
         self._is_cut = False  # True if there were too many messages for one window.
-        self._last_time = begin  # Of the last `advance`.
+        self._second = begin  # That is looked at next.
+        self._active = frozenset[str]()  # The names of the alarms that were not over then.
+        # The alarms of each second in which no console has recorded its own.
+        self._board = AlarmBoard()
+        self._alarms: list[tuple[float, tuple[Alarm, ...]]] = [(begin, ())]
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
-        """Take all messages, their marks and trends; yield every few hundred: one may give up.
-
-        Nothing else uses the state, which is that before the first message.
-        """
-        second, alarms = self.begin, frozenset[str]()
+        """Take all messages, their marks and trends; yield every few hundred: one may give up."""
+        last_event = 0
         self._checkpoints.append(state.checkpoint())
         for number, message in enumerate(messages):
             if number % _CHECKPOINT_EVERY == 0:
                 if number > 0:
                     self._checkpoints.append(state.checkpoint())
                 yield
-            while second <= message.time:  # As the console did, each second.
-                snapshot = state.snapshot
-                self.history.observe(snapshot, second)
-                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms)
-                second += 1.0
+            self._pass_seconds(state, message.time)
             try:
                 state.apply(*message)
                 self.history.observe(state.curve_snapshot, message.time)
             except Exception:  # A hostile message may raise anything; the others are applied.
                 self.unreadable += 1
-            if message.topic == JOURNAL:
-                self._mark_event(state.snapshot, message.time)
+            event = state.last_event if message.topic in (JOURNAL, ROSOUT) else None
+            if event is not None and event.number > last_event:
+                last_event = event.number
+                text = f"{event.level}: {event.text}" if event.level in OWN_LEVELS else ""
+                self.marks.append(TimelineMark(message.time, text, event_text(event)))
             self._messages.append(message)
             self._times.append(message.time)
-        # A goal may have ended in the last part of a second.
-        self.history.observe(state.snapshot, self.end)
         if self._is_cut and self._times:  # The next window reads the rest.
             self.end = self._times[-1]
+        self._pass_seconds(state, self.end)
+        # A goal may have ended in the last part of a second.
+        self.history.observe(state.snapshot, self.end)
         self.is_complete = True
+
+    def _pass_seconds(self, state: ReplayState, until: float) -> None:
+        """Look at history and alarms as the console did, each second, in a silence for an hour."""
+        seconds = range(max(floor(until - self._second) + 1, 0))
+        for number in (*seconds[:_MAX_SILENCE], *seconds[_MAX_SILENCE:][-1:]):
+            now, snapshot = self._second + number, state.snapshot
+            self.history.observe(snapshot, now)
+            if not state.has_console_state:
+                found = conditions(Situation(snapshot, now))
+                self._board.update(found.texts, now, now, unknown=found.unknown)
+                self._alarms.append((now, self._board.all()))
+            self._mark_alarms(state.alarms(snapshot, now, self._board.all()), now)
+        self._second += len(seconds)
+
+    def alarms_at(self, time: float) -> tuple[Alarm, ...]:
+        """Return the alarms that a console would have raised by then; none if not read yet."""
+        if not self.covers(time):
+            return ()
+        return self._alarms[max(bisect_right(self._alarms, time, key=itemgetter(0)) - 1, 0)][1]
+
+    def _mark_alarms(self, alarms: tuple[Alarm, ...], now: float) -> None:
+        active = {alarm.name: alarm for alarm in alarms if not alarm.is_over}
+        for name, alarm in active.items():
+            if name not in self._active and alarm.state == AlarmState.UNACKNOWLEDGED:
+                since, line = max(alarm.since, self.begin), f"{alarm.priority.value}: {alarm.text}"
+                self.marks.append(TimelineMark(since, alarm.text, line))
+        for name in sorted(self._active - active.keys()):
+            self.marks.append(TimelineMark(now, "", f"over: {name}"))
+        self._active = frozenset(active)
 
     def cut(self) -> None:
         """Note that messages are missing before `end`: it becomes the time of the last one."""
@@ -105,19 +134,6 @@ class _Window:
     def abort(self) -> None:
         self.unreadable += 1
         self.is_complete = True
-
-    def _mark_event(self, snapshot: Snapshot, time: float) -> None:
-        event = snapshot.events[-1] if snapshot.events else None
-        if event is not None and event.level in OWN_LEVELS:
-            self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
-
-    def _mark_alarms(self, alarms: tuple[Alarm, ...], before: frozenset[str]) -> frozenset[str]:
-        """Mark the alarms that have become unacknowledged; return the names of those that are."""
-        new = [alarm for alarm in alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
-        for alarm in new:
-            if alarm.name not in before:
-                self.marks.append(TimelineMark(max(alarm.since, self.begin), alarm.text))
-        return frozenset(alarm.name for alarm in new)
 
     def covers(self, time: float) -> bool:
         """Return True if a time is in the window and all messages up to it are read."""
@@ -128,9 +144,7 @@ class _Window:
     def advance(self, state: ReplayState, time: float) -> None:
         """Bring a state, always the same one, to a time that `covers` has."""
         count = bisect_right(self._times, time)
-        # Backwards, alarms evaluated during a later silence must be undone.
-        is_back, self._last_time = time < self._last_time, time
-        if is_back or not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
+        if not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
             nearest = min(count // _CHECKPOINT_EVERY, len(self._checkpoints) - 1)
             state.restore(self._checkpoints[nearest])
             self._applied = nearest * _CHECKPOINT_EVERY
@@ -151,8 +165,7 @@ class _Window:
 class Player:
     """The player of one bag: a position in it, its speed, and what the console showed there.
 
-    It is used on one thread, and reads an hour of the bag at a time on another. `start`, `end` and
-    `position` are Unix times. `is_playing` is True also while `refresh` holds the position.
+    It is used on one thread. All times are Unix times.
     """
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
@@ -163,14 +176,12 @@ class Player:
         # A position, and the monotonic time at which it was reached.
         self._base, self._base_time = self.start, clock.monotonic()
         self._last_position = self._base  # The position at the last refresh.
-        self._namespace = namespace_of(bag, file)
         self._state = self._new_state()
-        self._window = _Window(self.start, self.start + _SPAN)
-        self._read_for = self.start  # The position for which the window was made.
+        self._window = _Window(self.start, min(self.start + _SPAN, self.end))
         self._start_reading(self._window)
 
     def _new_state(self) -> ReplayState:
-        return ReplayState(self.file, self.bag.types, self._namespace)
+        return ReplayState(self.file, self.bag.types)
 
     def _start_reading(self, window: _Window) -> None:
         def read() -> None:
@@ -194,19 +205,15 @@ class Player:
         return min(self._base + passed * self.speed, self.end)
 
     def go_to(self, time: float) -> None:
-        """Move the position within the recording; outside of the loaded hour, begin to read there.
-
-        Playing goes on from the new position.
-        """
+        """Move the position; outside of the loaded hour, begin to read there."""
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
-            # If there were too many messages, the window ends before the position it was made for.
-            is_dense = self._window.end < self._read_for
-            span = self._window.end - self._window.begin if is_dense else _SPAN
-            begin, self._read_for = max(self._base - span / 2, self.start), self._base
+            # Where messages are too many for an hour, the last window was shorter.
+            span = self._window.end - self._window.begin
+            begin = max(self._base - span / 2, self.start)
             self._state = self._new_state()
-            self._window = _Window(begin, begin + _SPAN)
+            self._window = _Window(begin, min(begin + _SPAN, self.end))
             self._start_reading(self._window)
 
     def close(self) -> None:
@@ -219,10 +226,7 @@ class Player:
         self.is_playing = on
 
     def refresh(self) -> None:
-        """Keep up with the time that has passed while playing, and pause at the end.
-
-        Where messages are still being read, hold the position.
-        """
+        """Keep up with the time while playing; hold where messages are still being read."""
         position = self.position
         if position > self._window.end:
             self.go_to(position)
@@ -247,13 +251,11 @@ class Player:
     @property
     def marks(self) -> list[TimelineMark]:
         """The events and alarms of the loaded hour read so far, in the order of time."""
-        return sorted(self._window.marks, key=lambda mark: mark.time)
+        shown = (mark for mark in self._window.marks if mark.text)
+        return sorted(shown, key=lambda mark: mark.time)
 
     def step_mark(self, step: int) -> TimelineMark | None:
-        """Pause at the next loaded mark (1) or the one before (-1), and return it.
-
-        If there is none, return None, and neither pause nor move.
-        """
+        """Pause at the next loaded mark (1) or the one before (-1), if any, and return it."""
         here, marks = self.position, self.marks
         neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
         if not neighbour:
@@ -313,7 +315,7 @@ class Player:
             console.engine,
             snapshot.namespace,
             self._window.history,
-            state.alarms(snapshot, now),
+            state.alarms(snapshot, now, self._window.alarms_at(now)),
             console.hosted,
             watching=True,
             queue=tuple(goal._replace(kind=state.goal_kind(goal.kind)) for goal in console.queue),
@@ -323,30 +325,12 @@ class Player:
         )
 
 
-def namespace_of(bag: BagFile, file: RobotFile) -> str:
-    """Return the robot's namespace by the first recorded console state, or by the topics.
-
-    It reads the first second of the bag, in which the black box records a state.
-    """
-    state = ReplayState(file, bag.types, "/")
-    for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
-        try:
-            state.apply(*message)
-        except Exception:  # A hostile file may raise anything.
-            break
-        return state.console.snapshot.namespace
-    return guess_namespace(bag.types, file)
-
-
 _BEFORE_MARK = 5.0  # Seconds.
 _MAX_FAULTS = 3  # In the error for a bag without a message.
 
 
 def find_recording(given: str) -> Path:
-    """Return the path of a recording: an existing path, a name, or for "" the newest.
-
-    A path with a `/` is returned unchecked.
-    """
+    """Return the path of a recording: an existing path, a name, or for "" the newest."""
     # Unlike Path.exists, os.path.exists returns False for names that are too long.
     if given and (os.path.exists(given) or "/" in given):
         return Path(given)
@@ -401,43 +385,11 @@ def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
     seconds = bag.end - bag.start
     begin = datetime.fromtimestamp(bag.start)
     yield f"{bag.path.name}: {file.name}, {begin:%Y-%m-%d %H:%M:%S}, {seconds:.0f} s"
-    state = ReplayState(file, bag.types, namespace_of(bag, file))
-    alarms, unreadable = frozenset[str](), 0
-    second, topics, last_event = floor(bag.start), state.topics, 0
-    for message in bag.messages(bag.start, bag.end, topics):
-        if not state.has_console_state:  # Alarms may come and go while no message arrives.
-            for quiet_second in range(second + 1, floor(message.time) + 1)[:MAX_SILENCE]:
-                found = _active_alarms(state, float(quiet_second))
-                yield from _alarm_changes(alarms, found, float(quiet_second))
-                alarms = frozenset(found)
-        try:
-            state.apply(*message)
-        except Exception:  # A hostile message may raise anything; the others are reported.
-            unreadable += 1
-            continue
-        event = state.snapshot.events[-1:] if message.topic in (JOURNAL, ROSOUT) else ()
-        if event and event[0].number > last_event:
-            last_event = event[0].number
-            yield f"{time_of_day(message.time)}  {event_text(event[0])}"
-        if message.topic == STATE or floor(message.time) > second:
-            second = floor(message.time)
-            found = _active_alarms(state, message.time)
-            yield from _alarm_changes(alarms, found, message.time)
-            alarms = frozenset(found)
-    if unreadable:
-        yield f"{unreadable} messages are unreadable"
+    window, state = _Window(bag.start, bag.end), ReplayState(file, bag.types)
+    for _ in window.fill(state, bag.messages(bag.start, bag.end, state.topics)):
+        pass
+    for mark in window.marks:
+        yield f"{time_of_day(mark.time)}  {mark.line}"
+    if window.unreadable:
+        yield f"{window.unreadable} messages are unreadable"
     yield from bag.faults
-
-
-def _active_alarms(state: ReplayState, now: float) -> dict[str, Alarm]:
-    """Return the alarms that are not over at a Unix time, by name."""
-    return {alarm.name: alarm for alarm in state.alarms(state.snapshot, now) if not alarm.is_over}
-
-
-def _alarm_changes(before: frozenset[str], found: dict[str, Alarm], time: float) -> Iterator[str]:
-    """Yield a line for each alarm that is new and unacknowledged, and for each that is over."""
-    now = time_of_day(time)
-    for name, alarm in found.items():
-        if name not in before and alarm.state == AlarmState.UNACKNOWLEDGED:
-            yield f"{now}  {alarm.priority.value}: {alarm.text}"
-    yield from (f"{now}  over: {name}" for name in sorted(before - found.keys()))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from copy import copy
-from math import floor
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -31,31 +31,16 @@ from archo_tui.robot.state.graph import (
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
-from archo_tui.station.alarms import Alarm, AlarmBoard
+from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import Situation, conditions
 
 ROSOUT = "/rosout"
-MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
 _MAX_GOALS = 100  # Whose last feedback is kept.
 _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
-# The fields of a goal that its feedback changes.
-_FED = (
-    "heard",
-    "started",
-    "feedback",
-    "length",
-    "length_is_guessed",
-    "remaining",
-    "unreadable",
-    "way",
-)
 
 
 class RecordedTopics:
-    """A stand-in for the console's node, on which every recorded topic has a publisher.
-
-    It receives nothing by itself: `callbacks` are called with the recorded messages.
-    """
+    """A stand-in for the console's node; its callbacks are called with the recorded messages."""
 
     def __init__(self, types: Mapping[str, str], namespace: str) -> None:
         self._types, self._namespace = types, namespace
@@ -82,18 +67,26 @@ class RecordedTopics:
         self.callbacks = {n: known for n, known in self.callbacks.items() if known != callback}
 
 
-def guess_namespace(types: Mapping[str, str], robot: RobotFile) -> str:
-    """Return the namespace in which the first recorded topic of the robot file is; or `/`."""
-    for topic in robot.shown_topics:
-        for name in types:
-            if name.endswith(f"/{topic.lstrip('/')}"):
-                return name[: -len(topic.lstrip("/")) - 1] or "/"
-    return "/"
+def _namespace_of(types: Mapping[str, str], robot: RobotFile) -> str:
+    """Return the namespace in which most of the robot file's topics are; of several the shortest.
+
+    It is `/` if none was recorded.
+    """
+    own = [*robot.shown_topics, *map(_feedback_topic, robot.goals)]
+    found = Counter(
+        name[: -len(topic) - 1] or "/"
+        for topic in own
+        for name in types
+        if not topic.startswith("/") and name.endswith(f"/{topic}")
+    )
+    return max(found, key=lambda namespace: (found[namespace], -len(namespace)), default="/")
+
+
+def _feedback_topic(kind: GoalKind) -> str:
+    return f"{kind.action}/_action/feedback"
 
 
 class _RecordingClock(Clock):
-    """A clock that stands at the Unix time of the last message."""
-
     time = 0.0
 
     def monotonic(self) -> float:
@@ -104,10 +97,7 @@ class _RecordingClock(Clock):
 
 
 # What changes as messages are applied: of the state, and of its telemetry.
-_CHANGING = (
-    *("goal", "_state_json", "_feedback", "_log", "_message_rates", "_logged"),
-    *("_board", "_evaluated_until"),
-)
+_CHANGING = (*("goal", "_state_json", "_feedback", "_log", "_message_rates", "_logged"),)
 _READINGS = ("battery", "motion", "pose", "gauges", "diagnostics", "charge", "periods")
 Checkpoint = tuple[Mapping[str, Any], Mapping[str, Any]]
 
@@ -116,7 +106,7 @@ def _copied(value: Any) -> Any:
     """Return a copy that changes independently; the frozen values in it are shared."""
     if isinstance(value, dict):
         return value.copy()
-    if isinstance(value, (EventLog, LineCounter, AlarmBoard, Diagnostics)):
+    if isinstance(value, (EventLog, LineCounter, Diagnostics)):
         made = copy(value)
         vars(made).update({name: _copied(part) for name, part in vars(value).items()})
         return made
@@ -124,20 +114,16 @@ def _copied(value: Any) -> Any:
 
 
 class ReplayState:
-    """The state of robot and console after the messages applied so far.
+    """The state of robot and console after the messages applied so far."""
 
-    `console` is the last recorded state of the console, `goal` the goal by that and by later
-    feedback.
-    """
-
-    def __init__(self, file: RobotFile, types: Mapping[str, str], namespace: str) -> None:
+    def __init__(self, file: RobotFile, types: Mapping[str, str]) -> None:
         """Create the state before the first message; `types` are those of the recorded topics."""
-        self._file, self._clock = file, _RecordingClock()
+        self._file, self._clock, namespace = file, _RecordingClock(), _namespace_of(types, file)
         self._topics = RecordedTopics(types, namespace)
         node, full = cast("Any", self._topics), self._topics.resolve_topic_name
         self._telemetry = Telemetry(node, file, self._clock, self._on_reading, lambda _: None)
         self._telemetry.resubscribe()
-        self._feedback_topics = {full(f"{kind.action}/_action/feedback") for kind in file.goals}
+        self._feedback_topics = {full(_feedback_topic(kind)) for kind in file.goals}
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
         self._forms = forms_of(file)
         actions = {kind.action: "not recorded" for kind in file.goals}
@@ -151,9 +137,9 @@ class ReplayState:
         # Of each goal, by its id: the last feedback, with its time.
         self._feedback: dict[str, tuple[float, Any]] = {}
         self._log = EventLog()
+        self.last_event: Event | None = None  # Of the last applied log line.
         self._message_rates: dict[str, MessageRate] = {}  # Of each topic, by its full name.
         self._logged: dict[str, float] = {}  # When nodes logged last, by name.
-        self._board, self._evaluated_until = AlarmBoard(), 0.0
 
     @property
     def has_console_state(self) -> bool:
@@ -182,11 +168,7 @@ class ReplayState:
             self.console = from_json(self._state_json) if is_there else self._initial
 
     def apply(self, time: float, topic: str, message: Any) -> None:
-        """Apply the next message; a hostile one may raise any exception.
-
-        Without a console state, the alarms of each second up to it are evaluated first.
-        """
-        self._evaluate_alarms_until(time)
+        """Apply the next message; a hostile one may raise any exception."""
         self._clock.time = time
         if topic == STATE:
             self._apply_state(from_json(message.data))
@@ -200,26 +182,13 @@ class ReplayState:
         elif topic in self._topics.callbacks:
             self._topics.callbacks[topic](message)
 
-    def _evaluate_alarms_until(self, time: float) -> None:
-        """Evaluate the alarms of each second, but of a long silence only the first and the last."""
-        if self.has_console_state:
-            return
-        first = floor(self._evaluated_until) + 1 if self._evaluated_until else floor(time)
-        seconds = range(first, floor(time) + 1)
-        # A silence raises its alarms in the first seconds, however long it is.
-        for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
-            now = self._evaluated_until = float(second)
-            found = conditions(Situation(self.snapshot, now))
-            self._board.update(found.texts, now, now, unknown=found.unknown)
-
     def _apply_state(self, state: ConsoleState) -> None:
-        """Replace the console's state, but keep what messages have told since it was made."""
         for alarm in state.alarms:
             assert alarm.priority  # Raises KeyError for an unknown kind of alarm.
-        found, before = state.snapshot, self.goal
+        found = state.snapshot
         self.console, self.goal = state._replace(snapshot=found._replace(events=())), found.goal
         if self.goal is not None:
-            self.goal = self._with_feedback(self._with_file_kind(self.goal), before)
+            self.goal = self._with_feedback(self._with_file_kind(self.goal))
         if found.events:
             self._log = EventLog.of(found.events)
         if not self._telemetry.charge:
@@ -243,15 +212,13 @@ class ReplayState:
         if len(self._feedback) > _MAX_GOALS:
             del self._feedback[next(iter(self._feedback))]
         if self.goal is not None:
-            self.goal = self._with_feedback(self.goal, None)
+            self.goal = self._with_feedback(self.goal)
 
-    def _with_feedback(self, goal: Goal, before: Goal | None) -> Goal:
+    def _with_feedback(self, goal: Goal) -> Goal:
         """Return the goal with its last feedback, if it runs and what is known of it is older."""
         time, feedback = self._feedback.get(goal.id, (0.0, None))
         if not goal.is_running or time <= (goal.heard or 0.0):
             return goal
-        if before is not None and before.id == goal.id and before.heard == time:
-            return goal._replace(**{name: getattr(before, name) for name in _FED})
         started = goal.sent if goal.started is None else goal.started
         changes = feedback_changes(goal, feedback, time)
         return goal._replace(heard=time, started=started, **changes)
@@ -263,7 +230,8 @@ class ReplayState:
             level, text = own, rest
         # A person may paste the command into a shell: it must not hold a line end.
         command, code = safe(message.function), safe(message.file)
-        self._log.add(Event(self._clock.time, level, source, text, command, code=code))
+        event = Event(self._clock.time, level, source, text, command, code=code)
+        self.last_event = self._log.add(event)
 
     def _on_log(self, message: Any) -> None:
         node = logger_node(message.name)
@@ -272,7 +240,7 @@ class ReplayState:
             return  # The journal has what consoles log; other robots do not matter here.
         self._logged[node] = self._clock.time
         level = level_word(message.level)
-        self._log.add(Event(self._clock.time, level, message.name, message.msg))
+        self.last_event = self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
     def _on_reading(self, topic: str, _has_changed: bool) -> None:
         full, now = self._topics.resolve_topic_name(topic), self._clock.time
@@ -312,16 +280,13 @@ class ReplayState:
             for n in state.nodes
         )
 
-    def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Return the alarms at a Unix time, those that are not over with their text of then.
-
-        They are those that the console recorded, or without a console state are evaluated here,
-        which changes this state.
-        """
-        found = conditions(Situation(snapshot, now, self.console.hosted)).texts
-        self._evaluate_alarms_until(now)
-        alarms = self.console.alarms if self.has_console_state else self._board.all()
+    def alarms(
+        self, snapshot: Snapshot, now: float, evaluated: tuple[Alarm, ...]
+    ) -> tuple[Alarm, ...]:
+        """Return the recorded alarms, else those evaluated, with their texts at a Unix time."""
+        texts = conditions(Situation(snapshot, now, self.console.hosted)).texts
+        alarms = self.console.alarms if self.has_console_state else evaluated
         return tuple(
-            alarm if alarm.is_over else alarm._replace(text=found.get(alarm.name, alarm.text))
+            alarm if alarm.is_over else alarm._replace(text=texts.get(alarm.name, alarm.text))
             for alarm in alarms
         )

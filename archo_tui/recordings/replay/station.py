@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import time
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from typing import Any, NoReturn, cast
-
-from rclpy.serialization import deserialize_message
 
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.handover import CONSOLE_SOCKET, STOP
-from archo_tui.recordings.replay.bag import EncodedMessage
+from archo_tui.recordings.replay.bag import Encoded
 from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo, TopicEnd, TopicInfo
@@ -29,8 +27,7 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.station.view import View
 
-# Seconds of messages that are read before the position, and behind it a quarter of that: fewer
-# where they are too large to be read at once.
+# Seconds of messages that are read before the position, fewer where they are too many or too large.
 _SPANS = (SPAN, 6.0, 1.0)
 
 
@@ -48,18 +45,13 @@ class RecordedTopicFollower:
         self._player, self._clock, self._topic = player, clock, topic
         self._request, self._show = request, show
         self._kind = player.bag.types.get(topic, "")
-        self._messages: Sequence[EncodedMessage] = ()  # In the order of time.
-        self._read_until = 0.0  # Unix time, as the next one.
-        self._fault = ""  # What of them is left out.
+        self._fault = ""  # What of the messages is left out.
         self._shown = 0.0  # The position of the last view.
         self._intake = MessageIntake()
         self._watch: TopicWatch | None = None  # None before the first view.
 
     async def run(self) -> NoReturn:
-        """Show a view five times a second, less often if decoding takes long; never return.
-
-        Messages are read and decoded on another thread.
-        """
+        """Show a view five times a second, less often if decoding takes long; never return."""
         spent = 0.0
         while True:
             now, snapshot = self._player.position, self._player.snapshot()
@@ -78,51 +70,32 @@ class RecordedTopicFollower:
     def _update(
         self, request: TopicRequest, now: float, snapshot: Snapshot
     ) -> tuple[TopicView, float]:
-        """Return the view at a Unix time, and the processor time in seconds that it took.
-
-        It may read the bag. After a jump it begins anew with the messages before `now`.
-        """
-        begun = time.thread_time()
-        watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
-        if is_jump or now > self._read_until:
-            self._read_around(now)
-        if watch is None or is_jump:
-            self._shown = now - SPAN
-            self._intake = MessageIntake()
+        """Return the view, and the processor time in seconds that it took. It may read the bag."""
+        begun, watch, bag = time.thread_time(), self._watch, self._player.bag
+        messages: list[Encoded] = []
+        if watch is None or not 0 <= now - self._shown <= SPAN:
+            self._intake, self._fault = MessageIntake(), ""
             units = field_units(snapshot.file, snapshot.full, self._topic, self._kind)
             watch = self._watch = TopicWatch(
-                self._topic, self._kind, units, self._intake, self._decode
+                self._topic, self._kind, units, self._intake, partial(bag.decode, self._topic)
             )
-        first, last = (
-            bisect_right(self._messages, until, key=lambda message: message.time / 1e9)
-            for until in (self._shown, now)
-        )
-        for message in self._messages[first:last]:
-            self._intake.add(message.time / 1e9, message.data)
+            starts = [now - span for span in _SPANS]
+        else:
+            starts = [math.nextafter(self._shown, now)] if now > self._shown else []
+        for start in starts:
+            messages, is_cut, faults = bag.encoded_messages(start, now, self._topic)
+            self._fault = next(iter(faults), self._fault)
+            if not is_cut:
+                break
+        for message_time, _, data in messages:
+            self._intake.add(message_time / 1e9, data)
         self._shown = now
         view = watch.update(now, request)
         view = view._replace(fault=view.fault or self._fault)
         return view, time.thread_time() - begun
 
-    def _read_around(self, now: float) -> None:
-        for span in _SPANS:
-            self._read_until = now + span / 4
-            read, faults = self._player.bag.encoded_messages(
-                now - span, self._read_until, self._topic
-            )
-            self._messages, self._fault = read.messages, next(iter(faults.lines()), "")
-            if not read.is_cut:
-                return
-
-    def _decode(self, data: bytes) -> Any:
-        try:
-            return deserialize_message(data, self._messages[0].topic.message_class)
-        except Exception as error:  # Message classes check their values, too.
-            raise ArchoError(f"not readable: {in_one_line(error)}") from None
-
 
 def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
-    """Return who published a topic, and its mismatches; who subscribed is not recorded."""
     resource = next((r for r in snapshot.resources if r.name == topic), None)
     if resource is None:
         return None
@@ -146,10 +119,7 @@ class ConsoleStops(Stops):
 
 
 class RecordedRobot:
-    """A stand-in for `Robot` that shows the recorded robot and cannot command it.
-
-    A verb that is not defined here raises AttributeError.
-    """
+    """A stand-in for `Robot` that shows the recorded robot; it has no verbs."""
 
     watching = True
 
@@ -190,10 +160,7 @@ class RecordedRobot:
         await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return the topics, services and actions that a node offered at the position.
-
-        What it subscribed to and called, and its log level, are not recorded.
-        """
+        """Return the topics, services and actions that a node offered at the position."""
         found = [resource for resource in self.snapshot.resources if node in resource.nodes]
         if not found:
             return Outcome(Code.REFUSED, _NOT_RECORDED)
@@ -207,9 +174,6 @@ class RecordedRobot:
             actions=of_kind(ACTION),
             no_level=_NOT_RECORDED,
         )
-
-    def __getattr__(self, verb: str) -> NoReturn:
-        raise AttributeError(f"a recorded robot does not {verb}")
 
 
 class RecordedHost:

@@ -22,8 +22,7 @@ from archo_tui.robot.state.readings import (
     Pose,
 )
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot_file.known_types import DIAGNOSTICS
-from archo_tui.robot_file.model import Gauge, RobotFile
+from archo_tui.robot_file.model import DIAGNOSTICS, Gauge, RobotFile
 from archo_tui.safe_text import harmless
 
 _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.

@@ -32,9 +32,8 @@ from archo_tui.robot.topics.inspect import (
     publisher_fault,
     types_of,
 )
-from archo_tui.robot_file.known_types import READ
 from archo_tui.robot_file.model import field_units
-from archo_tui.robot_file.propose import Sighting
+from archo_tui.robot_file.propose import READ, Sighting
 
 _REFIT = 2.0  # Seconds between two looks at the publishers.
 _LONG = 0.05  # Seconds of decoding after which only the newest message is decoded the next time.
