@@ -24,7 +24,7 @@ class Poller:
         self._arrivals = Arrivals(robot.clock.monotonic())
         self._consoles: set[str] | None = None  # The other consoles; None before the first poll.
         self._mismatches: frozenset[str] = frozenset()  # Those that were reported.
-        robot.node.create_timer(POLL_PERIOD, self._poll_if_due, clock=robot.services.steady)
+        robot.node.create_steady_timer(POLL_PERIOD, self._poll_if_due)
 
     def _poll_if_due(self) -> None:
         """Poll the graph, unless a rest after the last poll is due, as on a very large graph."""

@@ -9,15 +9,15 @@ from archo_tui import engine
 
 engine.ensure()
 
-from archo_tui.robot import calls
 from archo_tui.robot.clients import YOU, current_requester
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.poller import Poller
 from archo_tui.robot.requests import commands
 from archo_tui.robot.requests import nodes as node_requests
 from archo_tui.robot.requests import publish as publish_requests
 from archo_tui.robot.requests import topics as topic_requests
-from archo_tui.robot.snapshot_sender import Receiver
+from archo_tui.robot.runtime import Receiver
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.readings import Diagnostic
@@ -130,4 +130,4 @@ class Robot(Parts):
             self.snapshots.send()
 
         with contextlib.suppress(TimeoutError):  # The thread is busy: go on without them.
-            await self.thread.run(there, calls.DEADLINE)
+            await self.thread.run(there, DEADLINE)

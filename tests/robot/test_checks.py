@@ -245,15 +245,15 @@ async def test_two_nodes_of_one_name_are_an_alarm() -> None:
 async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
     async with robot(battery(percentage=50.0)) as it:
         await until(lambda: it.snapshot.parameters)
-        services = it.services
-        before = len(services._clients)
+        node = it.node
+        before = len(node._kept_clients)
         for _ in range(3):
             guest = Node("guest", context=it.node.context)
             guest.declare_parameter("x", 1)
             await until(lambda: any(n.name == "/guest" for n in it.snapshot.nodes))
             guest.destroy_node()
             await until(lambda: all(n.name != "/guest" for n in it.snapshot.nodes))
-        assert len(services._clients) <= before
+        assert len(node._kept_clients) <= before
 
 
 async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> None:

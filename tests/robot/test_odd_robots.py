@@ -64,12 +64,12 @@ async def test_a_value_that_is_not_read_back_is_not_said_to_be_as_before(
 ) -> None:
     async with robot(Unset) as it:
         await until(lambda: it.snapshot.parameter("speed"))
-        call = it.services.call
+        call = it.node.call
 
         async def hangs(kind: Any, *given: Any, **options: Any) -> Any:
             return None if kind is srv.GetParameters else await call(kind, *given, **options)
 
-        monkeypatch.setattr(it.services, "call", hangs)
+        monkeypatch.setattr(it.node, "call", hangs)
         outcome = await ended(it.set_parameters("/unset", {"speed": 0.7}))
         said = "accepted, but /unset has not reported the new value; speed was 0.5"
         assert outcome == (Code.DONE, said)

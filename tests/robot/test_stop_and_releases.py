@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.robot import calls
+from archo_tui.robot import node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.snapshot import Latch
@@ -125,14 +125,14 @@ async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None
 async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answered(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(calls, "LATE", 2.5)  # what a late answer to a STOP has
+    monkeypatch.setattr(node, "LATE", 2.5)  # what a late answer to a STOP has
     made: list[Busy] = []
     async with robot(making(made, Busy), offers="emergency_stop release_emergency_stop") as it:
         task = asyncio.ensure_future(by_its_key(it))
         await until(task.done)
         it.stops.register()
         assert (await ended(it.emergency_stop())).ok
-        later = clock.seconds() + 3 * calls.LATE
+        later = clock.seconds() + 3 * node.LATE
         await until(lambda: clock.seconds() >= later)
         made[0].wake()
         await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))

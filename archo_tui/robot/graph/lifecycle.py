@@ -10,11 +10,9 @@ from typing import Any
 from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 
-from archo_tui.clock import Clock
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Services
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
@@ -31,16 +29,9 @@ _NO_ANSWER = "no answer"
 class Lifecycles:
     """The state of each managed node: requested when it comes, then told by its events."""
 
-    def __init__(
-        self,
-        node: Listener,
-        clock: Clock,
-        pending: Services,
-        submit: Callable[[Callable[[], Any]], None],
-        on_change: Callable[[], None],
-    ) -> None:
-        self._node, self._clock, self._services = node, clock, pending
-        self._submit, self._on_change = submit, on_change
+    def __init__(self, runtime: Runtime) -> None:
+        self._node, self._clock = runtime.node, runtime.clock
+        self._submit, self._on_change = runtime.thread.submit, runtime.snapshots.send_soon
         self._words: dict[str, str] = {}  # By full name of the node; "" until it has answered.
         self._asked: dict[str, float] = {}  # When each was asked last, in monotonic seconds.
         self._subscriptions: dict[str, Any] = {}
@@ -114,14 +105,14 @@ class Lifecycles:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
         available = await self._available(node)
         if available is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {DEADLINE:g} s from {node}")
         found = next((transition for transition in available if transition.label == word), None)
         if found is None:
             words = ", ".join(dict.fromkeys(transition.label for transition in available)) or "none"
             state = self._words.get(node) or "this state"
             return Outcome(Code.REFUSED, f"not possible in {state}: there are {words}")
         request = ChangeState.Request(transition=Transition(id=found.id, label=found.label))
-        answer = await self._services.call(
+        answer = await self._node.call(
             ChangeState,
             f"{node}/change_state",
             request,
@@ -144,7 +135,7 @@ class Lifecycles:
         return lambda message: self._set(node, harmless(message.goal_state.label))
 
     async def _ask(self, node: str) -> None:
-        answer = await self._services.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
+        answer = await self._node.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
         if node not in self._words:
             return
         if answer is not None:
@@ -156,7 +147,7 @@ class Lifecycles:
     async def _available(self, node: str) -> list[Any] | None:
         """Ask a node for the transitions that it can make now; None if it does not answer."""
         name = f"{node}/get_available_transitions"
-        answer = await self._services.call(
+        answer = await self._node.call(
             GetAvailableTransitions, name, GetAvailableTransitions.Request(), once=True
         )
         if answer is None:

@@ -16,9 +16,6 @@ from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rclpy.parameter import Parameter as RosParameter
 
-from archo_tui.clock import Clock
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Services
 from archo_tui.robot.graph.parameter_values import (
     TYPES,
     as_python,
@@ -28,8 +25,9 @@ from archo_tui.robot.graph.parameter_values import (
     value_field,
 )
 from archo_tui.robot.messages.values import checked, same, text_of
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.graph import MASK, NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
@@ -45,28 +43,22 @@ class Parameters:
 
     def __init__(
         self,
-        node: Listener,
-        clock: Clock,
-        pending: Services,
-        submit: Callable[[Callable[[], Any]], None],
-        on_change: Callable[[], None],
+        runtime: Runtime,
         on_new_value: Callable[[str, Any, Any], None],
         on_event: Callable[[str, str, Any, Any], None],
     ) -> None:
-        self._tell_event, self._submit = on_event, submit
-        self._node, self._clock = node, clock
-        self._on_new_value = on_new_value
+        self._node, self._clock = runtime.node, runtime.clock
+        self._submit, self._on_change = runtime.thread.submit, runtime.snapshots.send_soon
+        self._on_new_value, self._tell_event = on_new_value, on_event
         self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
         self._serving: set[str] = set()  # Those of them that have parameter services.
         # For nodes that did not answer: when to ask again (monotonic seconds), and the last wait.
         self._retry: dict[str, tuple[float, float]] = {}
-        self._services = pending
-        self._on_change = on_change
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._all: tuple[Parameter, ...] = ()  # What `all` returned last.
         self._loading: set[str] = set()
         self._read: dict[str, float] = {}  # When each node was asked last, in monotonic seconds.
-        node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
+        self._node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
         """Return all parameters, sorted by node; those of a node in the order of its list.
@@ -95,7 +87,7 @@ class Parameters:
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
             self._read.pop(gone, None)
-            self._services.destroy_clients(gone)
+            self._node.destroy_clients(gone)
             if self._by_node.pop(gone, None) is not None:
                 self._on_change()
         serving = {name for name in nodes if f"{name}/list_parameters" in offered}
@@ -133,7 +125,7 @@ class Parameters:
 
     async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
         """Ask a node for values; return them by name, {} if one is not set, None if none come."""
-        got = await self._services.call(
+        got = await self._node.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         if got is None:
@@ -144,14 +136,14 @@ class Parameters:
     async def _load(self, node: str) -> None:
         """Load all parameters of a node; if it does not answer, set when it is asked again."""
         try:
-            listed = await self._services.call(
+            listed = await self._node.call(
                 srv.ListParameters,
                 f"{node}/list_parameters",
                 srv.ListParameters.Request(),
                 once=True,
             )
             names = list(listed.result.names) if listed is not None else []
-            described = await self._services.call(
+            described = await self._node.call(
                 srv.DescribeParameters,
                 f"{node}/describe_parameters",
                 srv.DescribeParameters.Request(names=names),
@@ -196,19 +188,19 @@ class Parameters:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
         request = srv.SetParametersAtomically.Request(parameters=parameters)
-        answer = await self._services.call(
+        answer = await self._node.call(
             srv.SetParametersAtomically,
             f"{node}/set_parameters_atomically",
             request,
             gate=gate,
         )
         if answer is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {DEADLINE:g} s from {node}")
         if not answer.result.successful:
             reason = masked_text(answer.result.reason, values)
             return Outcome(Code.REFUSED, reason or "refused, no reason given")
         names = list(values)
-        got = await self._services.call(
+        got = await self._node.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         if got is None:

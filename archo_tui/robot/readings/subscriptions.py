@@ -12,7 +12,7 @@ from archo_tui.robot.graph.endpoints import fitting_qos, is_latched
 from archo_tui.robot.messages.period import LEAST_SILENCE
 from archo_tui.robot.messages.types import field_paths, load_class
 from archo_tui.robot.messages.values import Fields
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.state.graph import in_namespace
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import fields_of
@@ -44,7 +44,7 @@ class ReadingSubscriptions:
 
     def __init__(
         self,
-        node: Listener,
+        node: ConsoleNode,
         readers: Sequence[Reader],
         on_reading: Callable[[str, bool], None],
         on_stamp: Callable[[str, Any], None],

@@ -10,7 +10,7 @@ from typing import Any
 from archo_tui.clock import Clock
 from archo_tui.robot.messages.period import Period
 from archo_tui.robot.messages.values import Fields, as_received, flag, integer, number, read, yaw
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.readings.subscriptions import Reader, ReadingSubscriptions
 from archo_tui.robot.state.readings import (
     WORST_FIRST,
@@ -42,7 +42,7 @@ class Telemetry:
 
     def __init__(
         self,
-        node: Listener,
+        node: ConsoleNode,
         robot: RobotFile,
         clock: Clock,
         on_reading: Callable[[str, bool], None],

@@ -9,12 +9,12 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot import calls
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import (
     CALL_WAIT,
     SLOW_CALL,
@@ -118,7 +118,7 @@ async def send(
     title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
     async def go(gate: Gate) -> Outcome:
-        turn = robot.services.next_turn()
+        turn = robot.node.next_turn()
         refusal = _refusal(robot, kind, gate, queued=queued)
         if refusal is not None:
             return refusal
@@ -209,7 +209,7 @@ async def stop_sending_goals(robot: Parts) -> None:
         robot.goals.sending_has_ended = True
         robot.publications.end_all("the end of the console")
 
-    await robot.thread.run(there, calls.DEADLINE)
+    await robot.thread.run(there, DEADLINE)
 
 
 def allow_sending_goals(robot: Parts) -> None:
@@ -267,9 +267,9 @@ async def call(
             source = requester.level, requester.source
             robot.reporter.add(Event(robot.clock.now(), *source, text))
 
-        slow = robot.node.create_timer(SLOW_CALL, on_timer, clock=robot.services.steady)
+        slow = robot.node.create_steady_timer(SLOW_CALL, on_timer)
         try:
-            answer = await robot.services.call(
+            answer = await robot.node.call(
                 *(srv_type, service, request),
                 gate=gate,
                 wait=wait,
@@ -308,11 +308,11 @@ async def call_named(
         request = filled(srv_type.Request(), fields)
     except ValueError as error:
         return Outcome(Code.MISUSE, str(error))
-    answer = await robot.services.call(
+    answer = await robot.node.call(
         srv_type, name, request, gate=gate, late=lambda answer: late(_outcome_of(answer))
     )
     if answer is None:
-        text = f"no answer in {calls.DEADLINE:g} s: the robot may still do it"
+        text = f"no answer in {DEADLINE:g} s: the robot may still do it"
         return Outcome(Code.TIMEOUT, text)
     return _outcome_of(answer)
 
@@ -385,7 +385,7 @@ async def release_emergency_stop(robot: Parts) -> Outcome:
     name, request = stop.release, stop.release_request
 
     async def call(gate: Gate) -> Outcome:
-        turn = robot.services.next_turn()
+        turn = robot.node.next_turn()
         sender.check_holders()
         is_offered = name in robot.graph.offered
         if sender.stop.is_held_by_nobody and not is_offered:

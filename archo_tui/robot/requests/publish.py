@@ -8,11 +8,11 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from archo_tui.robot import calls
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.commands import run
@@ -124,7 +124,7 @@ async def end_publications(robot: Parts) -> str:
 
     if robot.publications.active:
         with contextlib.suppress(TimeoutError):
-            return await robot.thread.run(there, calls.DEADLINE)
+            return await robot.thread.run(there, DEADLINE)
     return ""
 
 

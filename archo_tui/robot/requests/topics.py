@@ -12,9 +12,9 @@ from typing import Any, NoReturn
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot.calls import QUESTION_TIMEOUT
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, field_types, load_class
+from archo_tui.robot.node import QUESTION_TIMEOUT
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info

@@ -10,21 +10,15 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
-from rclpy.node import Node
-
-from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Services
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
 from archo_tui.robot.readings.telemetry import Telemetry
-from archo_tui.robot.reporter import Reporter
-from archo_tui.robot.ros_thread import RosThread
-from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
@@ -58,28 +52,23 @@ class StopSender:
 
     def __init__(
         self,
-        node: Node,
-        services_of_robot: model.StopServices | None,
-        clock: Clock,
-        calls: Services,
+        runtime: Runtime,
+        service: model.StopServices | None,
         graph: Graph,
         checks: InterfaceChecks,
         goals: Goals,
         telemetry: Telemetry,
-        reporter: Reporter,
-        snapshots: SnapshotSender,
-        thread: RosThread,
         unended_nodes: Callable[[], Collection[str]],
     ) -> None:
-        self._node, self._served, self._clock = node, services_of_robot, clock
-        self._services, self._graph, self._checks = calls, graph, checks
-        self._goals, self._telemetry, self._reporter = goals, telemetry, reporter
-        self._snapshots, self._thread, self._unended_nodes = snapshots, thread, unended_nodes
-        self._begun = clock.monotonic()
+        self._node, self._clock, self._thread = runtime.node, runtime.clock, runtime.thread
+        self._reporter, self._snapshots = runtime.reporter, runtime.snapshots
+        self._served, self._graph, self._checks = service, graph, checks
+        self._goals, self._telemetry, self._unended_nodes = goals, telemetry, unended_nodes
+        self._begun = self._clock.monotonic()
         self.stop = Stop()
         self.time = 0.0
         self.still_running: tuple[str, ...] = ()
-        self._timer = node.create_timer(_PERIOD, self.tick, clock=calls.steady)
+        self._timer = self._node.create_steady_timer(_PERIOD, self.tick)
         self._timer.cancel()
 
     def _become(self, after: Stop) -> bool:
@@ -119,7 +108,7 @@ class StopSender:
             self._reporter.warn(f"STOP, sent again: {outcome.text}")
 
     def _begin_call(self, *, is_pressed: bool = False) -> int:
-        turn, now = self._services.next_turn(), self._clock.monotonic()
+        turn, now = self._node.next_turn(), self._clock.monotonic()
         self._become(self.stop.calling(turn, now, is_pressed=is_pressed))
         return turn
 
@@ -134,7 +123,7 @@ class StopSender:
                     answers.result,
                     turn,
                     self._clock.monotonic(),
-                    self._services.next_turn(),
+                    self._node.next_turn(),
                     asked,
                     self._servers(),
                     self._unended_nodes(),
@@ -170,7 +159,7 @@ class StopSender:
             self._graph.recheck_service(service)
             if service in self._graph.offered or self._clock.monotonic() >= end:
                 return
-            await self._services.pause(_FIND_PERIOD)
+            await self._node.pause(_FIND_PERIOD)
 
     async def _ask_servers(
         self, stop: model.StopServices, asked: Servers, on_late: Callable[[Answers], None]
@@ -180,7 +169,7 @@ class StopSender:
         Args:
             stop: The robot file's STOP.
             asked: The nodes that serve it.
-            on_late: Called if the last answer comes later, within `calls.LATE`.
+            on_late: Called if the last answer comes later, within `LATE`.
         """
         name = stop.service
         if name not in self._graph.offered:
@@ -190,9 +179,9 @@ class StopSender:
             return _not_sent(Code.REFUSED, reason)
         request = filled(srv_type.Request(), stop.request)
         servers = max(self._node.count_services(name), 1)
-        wait = calls.DEADLINE if servers == 1 else ALL_ANSWERS
-        self._become(self.stop.leaving(self._services.next_turn(), asked))
-        answers = await self._services.call_all(
+        wait = DEADLINE if servers == 1 else ALL_ANSWERS
+        self._become(self.stop.leaving(self._node.next_turn(), asked))
+        answers = await self._node.call_all(
             *(srv_type, name, request, servers, wait),
             lambda answers: on_late(answers_of(answers, servers, wait)),
         )
@@ -213,7 +202,7 @@ class StopSender:
 
     def on_release_accepted(self, turn: int) -> None:
         """Record that a release was accepted, by the turn of its request."""
-        now, turn_now = self._clock.monotonic(), self._services.next_turn()
+        now, turn_now = self._clock.monotonic(), self._node.next_turn()
         self._become(self.stop.release_accepted(turn, now, turn_now))
 
     def give_up(self) -> None:
@@ -223,13 +212,13 @@ class StopSender:
     def on_stopped_elsewhere(self, console: str) -> None:
         """Record that another console reports that the robot confirmed its STOP."""
         if self._served is not None:
-            turn, now = self._services.next_turn(), self._clock.monotonic()
+            turn, now = self._node.next_turn(), self._clock.monotonic()
             servers, here = self._servers(), self._unended_nodes()
             self._become(self.stop.stopped_elsewhere(console, turn, now, servers, here))
 
     def on_released_elsewhere(self, console: str) -> None:
         """Record that another console reports that it released the STOP."""
-        turn, now = self._services.next_turn(), self._clock.monotonic()
+        turn, now = self._node.next_turn(), self._clock.monotonic()
         self._become(self.stop.released_elsewhere(console, turn, now))
 
     def on_early_stop(self, node: str) -> None:

@@ -20,7 +20,7 @@ from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.endpoints import DEPTH, fitting_qos
 from archo_tui.robot.messages.period import RATE_INTERVALS
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.state.graph import TopicInfo
 from archo_tui.robot.state.topic import FieldView, TopicRequest, TopicView
 from archo_tui.robot.topics.rows import TopicFields, with_elements
@@ -44,7 +44,7 @@ class Inspection:
 
     def __init__(
         self,
-        node: Listener,
+        node: ConsoleNode,
         clock: Clock,
         topic: str,
         message_class: Any,

@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError
-from archo_tui.robot.calls import Services
 from archo_tui.robot.graph.endpoints import is_matched
 from archo_tui.robot.messages.types import name_of
+from archo_tui.robot.runtime import Runtime
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
 _LONGEST_GAP = 1.0  # Seconds without a look: this process was suspended, and read no STOP.
@@ -65,9 +63,8 @@ class Publication:
 class Publications:
     """All publications of this console that run."""
 
-    def __init__(self, node: Node, clock: Clock, services: Services) -> None:
-        self._node, self._clock = node, clock
-        self._services = services
+    def __init__(self, runtime: Runtime) -> None:
+        self._node, self._clock = runtime.node, runtime.clock
         self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
 
     async def begin(
@@ -108,7 +105,7 @@ class Publications:
         while waits > 0 and not (publication.is_over or why_end()):
             if publisher.get_subscription_count():
                 break
-            await self._services.pause(_FIND_PERIOD)
+            await self._node.pause(_FIND_PERIOD)
             waits -= _FIND_PERIOD
 
         def next_message() -> None:
@@ -129,10 +126,9 @@ class Publications:
 
         next_message()
         if not publication.is_over:
-            clock = self._services.steady
             publication.timers = [
-                self._node.create_timer(1.0 / rate, next_message, clock=clock),
-                self._node.create_timer(_LOOK_PERIOD, look, clock=clock),
+                self._node.create_steady_timer(1.0 / rate, next_message),
+                self._node.create_steady_timer(_LOOK_PERIOD, look),
             ]
         return publication
 
@@ -167,7 +163,7 @@ class Publications:
             self._node.destroy_timer(timer)
             self._node.destroy_publisher(publication.publisher)
 
-        timer = self._node.create_timer(_LINGER, destroy, clock=self._services.steady)
+        timer = self._node.create_steady_timer(_LINGER, destroy)
 
     def end_all(self, why: str) -> str:
         """End all that run; return what was ended, "" for nothing."""
