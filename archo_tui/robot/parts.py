@@ -21,8 +21,6 @@ from archo_tui.robot.graph.parameters import Parameters, without_secrets
 from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import MessageCallback
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.readings.clocks import ClockOffsets
-from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.runtime import MAX_UNREAD, Runtime
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
@@ -32,6 +30,7 @@ from archo_tui.robot.state.graph import MASK, level_word, linked_number, logger_
 from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.telemetry import ClockOffsets, Telemetry
 from archo_tui.robot.topics.frames import FrameListener
 from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot_file.model import GoalKind, ParameterRef, RobotFile

@@ -11,7 +11,7 @@ from std_msgs.msg import Float32
 
 from archo_tui.recordings.replay.state import RecordedTopics
 from archo_tui.robot.node import ConsoleNode
-from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot

@@ -264,7 +264,7 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
 
     real = load_class
     monkeypatch.setattr(
-        "archo_tui.robot.readings.subscriptions.load_class",
+        "archo_tui.robot.telemetry.load_class",
         lambda name: None if name == "std_msgs/msg/Float32" else real(name),
     )
 

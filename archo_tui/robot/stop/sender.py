@@ -17,13 +17,13 @@ from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
-from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import NOBODY, Facts, Result, Servers, Stop, StopEffect
+from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # Seconds that the answers of several servers are waited for.
