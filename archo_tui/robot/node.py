@@ -29,11 +29,7 @@ MessageCallback = Callable[[str, Any, bytes], None]
 def require_all_answers(
     future: Any, servers: int, good: Callable[[Any], bool] = lambda _: False
 ) -> list[Any]:
-    """Change a call's future so that it ends with the answers of all servers, or with a good one.
-
-    rclpy would end it with the first answer, perhaps of a server that does not know the goal. The
-    result of the future is the answer that ended it.
-    """
+    """Change a call's future so that it ends with all servers' answers, or with a good one."""
     finish = future.set_result
     answers: list[Any] = []
 
@@ -132,11 +128,8 @@ class ConsoleNode(Node):
     ) -> Any:
         """Call a service; return the answer, or None if there was none in time.
 
-        A request with a gate is an operator's: its answer is received however late, its turn is
-        passed to `on_answered`, and an answer after `wait` to `late`.
-
-        Raises:
-            Void: The gate is shut: a STOP was read after the request was typed.
+        A request with a gate is an operator's: its turn is passed to `on_answered` however
+        late, and an answer after `wait` to `late`. Raises Void if the gate is shut.
         """
         client = self.client(srv_type, name)
         if gate is not None:

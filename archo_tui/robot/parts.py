@@ -148,10 +148,7 @@ class Parts(Runtime):
         self.snapshots.is_stale = True  # They are shown in the snapshot of each second.
 
     def _on_log(self, message: Log) -> None:
-        """Add a line on /rosout to the events; goals and clock offsets learn from it.
-
-        Left out are lines of other robots, and of consoles that also send them as audit records.
-        """
+        """Add a line on /rosout to the events; goals and clock offsets learn from it."""
         node = logger_node(message.name)
         console, now = author(node), self.clock.now()
         if console:

@@ -80,18 +80,12 @@ class Robot(Parts):
         self.thread.submit(self._poller.poll)
 
     def subscribe(self, receiver: Receiver) -> None:
-        """Call a function with the newest snapshot now, and with each later one on this loop.
-
-        If several come before the loop gets to them, only the newest is delivered.
-        """
+        """Call a function with the newest snapshot now, and with each later one on this loop."""
         self.snapshots.mailbox.open(receiver)
         receiver(self.snapshot)
 
     def close(self) -> None:
-        """Deliver no more snapshots, end the ROS thread, and leave the graph.
-
-        Waits up to 3 s for a callback that is running; if that does not end, nothing is destroyed.
-        """
+        """Deliver no more snapshots, end the ROS thread, and leave the graph."""
         self.snapshots.mailbox.close()
         if self.thread.stop():
             self.goals.close()

@@ -87,10 +87,7 @@ class Mailbox:
         self._receiver: Receiver | None = None
 
     def open(self, receiver: Receiver) -> None:
-        """Call a function on the running loop with each snapshot that is put from now on.
-
-        The function takes the place of an earlier one. The newest snapshot is not delivered again.
-        """
+        """Call a function on the running loop with each snapshot that is put from now on."""
         with self._lock:
             self._waiting = False  # A delivery that an earlier loop did not get to is lost.
             self._loop = asyncio.get_running_loop()
@@ -106,10 +103,7 @@ class Mailbox:
         return self._latest
 
     def put(self, snapshot: Snapshot) -> None:
-        """Replace the newest snapshot, and have it delivered on the loop. Any thread.
-
-        A snapshot that still waits is never delivered. Before `open` nothing is delivered.
-        """
+        """Replace the newest snapshot, and have it delivered on the loop. Any thread."""
         with self._lock:
             self._latest = snapshot
             if self._waiting or self._loop is None:
@@ -163,11 +157,7 @@ class Reporter:
     def report_done(
         self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
     ) -> None:
-        """Report what this console did: as an event, in the ROS log, and to other consoles.
-
-        The record also explains changes of the robot that follow, so that no other client is
-        blamed.
-        """
+        """Report what this console did: as an event, in the ROS log, and to other consoles."""
         text = harmless(text)
         self._node.get_logger().info(text)
         self._publisher.publish(String(data=audit_records.to_json(self._console, record, text)))

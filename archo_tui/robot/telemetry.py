@@ -41,10 +41,7 @@ _MOST = 1e15  # Of a gauge without a range: a double has so many digits.
 
 
 class Telemetry:
-    """The last readings of battery, motion, pose, gauges and diagnostics.
-
-    They are read from the topics and fields that the robot file names.
-    """
+    """The last readings of battery, motion, pose, gauges and diagnostics."""
 
     def __init__(
         self,
@@ -290,11 +287,7 @@ class ReadingSubscriptions:
         self.graces: dict[object, float | None] = {}
 
     def update(self) -> None:
-        """Subscribe to what is published now, with its types and QoS, and update the attributes.
-
-        Each new fault is passed to `warn`. A subscription whose type nobody publishes any more
-        ends; that of a topic without any publisher stays.
-        """
+        """Subscribe to what is published now, with its types and QoS, and update the attributes."""
         faults: dict[str, str] = {}
         wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
         published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
@@ -350,10 +343,7 @@ class ReadingSubscriptions:
     def _subscribe(
         self, key: tuple[str, str], readers: Sequence[Reader], publishers: Sequence[Any]
     ) -> None:
-        """Make one subscription for all readers of a topic and type, with a QoS that fits.
-
-        With two, each message would be recorded and counted twice.
-        """
+        """Make one subscription for all readers of a topic and type, with a QoS that fits."""
         topic, kind = key
         qos = fitting_qos(publishers)
         made = _Subscription(
@@ -418,10 +408,7 @@ class Diagnostics:
         self._periods: dict[_Key, Period] = {}
 
     def add(self, message: Any, now: float) -> None:
-        """Update the table with the statuses of a DiagnosticArray.
-
-        Of several statuses of one part in the array, the worst counts.
-        """
+        """Update the table with the statuses of a DiagnosticArray."""
         found = dict(self._by_key)
         for status in _worst(message.status, now):
             period = self._periods.get(status.key, Period()).with_message_at(now)
@@ -482,11 +469,7 @@ class ClockOffsets:
         self._offsets: dict[str, deque[float]] = {}
 
     def add(self, source: str, stamp: Any, now: float) -> bool:
-        """Compare a stamp with the time of its receipt, and update `large`.
-
-        The smallest offset of the last three stamps counts, as a message may be late; the first two
-        of a source change nothing.
-        """
+        """Compare the best of three stamps with its receipt; return True if `large` changes."""
         if not (stamp.sec or stamp.nanosec):
             return False
         offsets = self._offsets.setdefault(source, deque(maxlen=_COMPARED))

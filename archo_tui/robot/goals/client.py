@@ -1,7 +1,4 @@
-"""The goals of a robot's actions: sent, cancelled, asked about and listened to. ROS thread only.
-
-No rule is here: each event goes to the machine, and what it returns is carried out.
-"""
+"""The goals of a robot's actions: what the machine asks for is sent, what is heard is its event."""
 
 from __future__ import annotations
 
@@ -50,32 +47,23 @@ _RUNNING = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, _CANCELING)
 
 
 class GoalAction:
-    """The client of one action, and the subscriptions to its feedback and status.
-
-    Attributes:
-        kind: The kind of goal for which this object was made; other kinds of the action share it.
-        since: When it was made, in Unix seconds.
-        name: The full name of the action.
-        reported: The ids of the goals in the last status message that came while the action had a
-            single server; None before the first. Set by `Goals`.
-        is_exempt: True if no STOP cancels its goals.
-        type: The class of the action; None if it is not installed here: then nothing is sent.
-    """
+    """The client of one action, and the subscriptions to its feedback and status."""
 
     def __init__(
         self,
         node: ConsoleNode,
-        kind: GoalKind,
+        kind: GoalKind,  # Other kinds of the action share this object.
         on_feedback: Callable[[GoalAction, Any], None],
         on_status: Callable[[GoalAction, Any], None],
         watching: bool,
-        since: float,
-        is_exempt: bool,
+        since: float,  # When it is made, in Unix seconds.
+        is_exempt: bool,  # No STOP cancels its goals.
     ) -> None:
         self._node, self.kind, self.since, self.is_exempt = node, kind, since, is_exempt
         self.name = str(node.resolve_service_name(kind.action))
+        # The goals of the last status from a single server; None before the first. `Goals` sets it.
         self.reported: set[bytes] | None = None
-        self.type = load_class(kind.type)
+        self.type = load_class(kind.type)  # None if it is not installed here: nothing is sent.
         self._client: Any = None  # None in a console that only watches.
         if self.type is None:
             return
@@ -137,11 +125,7 @@ class GoalAction:
         return future
 
     def ask_result(self, goal_id: bytes) -> Any:
-        """Ask for the result of a goal, which its server sends when the goal has ended.
-
-        The future ends with the answer of the server that knows the goal, or when all have
-        answered.
-        """
+        """Ask for the result of a goal, which its server sends when the goal has ended."""
         request = self.type.Impl.GetResultService.Request(goal_id=_uuid(goal_id))
         future = self._results.call_async(request)
         known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
@@ -172,13 +156,7 @@ class _Record:
 
 
 class Goals:
-    """The goals that run, and the last ones that ended.
-
-    Attributes:
-        exempt: The full names of the actions whose goals no STOP cancels.
-        sending_has_ended: True to refuse every further goal: the console ends.
-        history: The last goals that ended, the newest first.
-    """
+    """The goals that run, and the last ones that ended."""
 
     def __init__(
         self,
@@ -201,8 +179,8 @@ class Goals:
         self._ended_ids: deque[bytes] = deque(maxlen=_ENDED_IDS)
         self._refusals: deque[str] = deque(maxlen=5)  # Reasons in the log.
         self._pause = Pause()
-        self.history: deque[Goal] = deque(maxlen=HISTORY)
-        self.sending_has_ended = False
+        self.history: deque[Goal] = deque(maxlen=HISTORY)  # The newest first.
+        self.sending_has_ended = False  # True to refuse every further goal: the console ends.
 
     @property
     def goal(self) -> Goal | None:
@@ -318,9 +296,7 @@ class Goals:
     ) -> Outcome:
         """Send a goal; return when it was accepted, refused, or not answered within DEADLINE.
 
-        For an action that is not tracked yet, a server is waited for first. A goal that a STOP or a
-        cancel reaches before it is accepted is cancelled as soon as it is. Raises Void if a STOP
-        was read after the goal was typed; then nothing was sent.
+        Raises Void if a STOP was read after the goal was typed; then nothing was sent.
         """
         is_known, action = (kind.action, kind.type) in self._actions, self.track(kind)
         if action.type is None:
@@ -404,11 +380,7 @@ class Goals:
     # Cancelling.
 
     async def cancel(self, *, another: bool) -> Outcome:
-        """Cancel the goal of this console, or the shown one of another client.
-
-        A goal that is about to be sent is not sent (ACCEPTED); for one that is not accepted yet,
-        this waits up to DEADLINE. The end of the goal comes later.
-        """
+        """Cancel this console's goal, or the shown one of another client; its end comes later."""
         if self._coming and not another:
             for coming in self._coming:
                 coming.state = coming.state.called_off()
@@ -478,10 +450,7 @@ class Goals:
     async def cancel_all(
         self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool = False
     ) -> Outcome:
-        """Cancel every goal of these and of other actions, and return what came of it.
-
-        Servers of the first are waited for until a time.
-        """
+        """Cancel every goal of these and of other actions, and return what came of it."""
         cancelled = await self._cancel_every(others, until, for_stop=for_stop)
         if cancelled is None:
             return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
@@ -495,10 +464,7 @@ class Goals:
     async def _cancel_every(
         self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool
     ) -> tuple[set[bytes], str] | None:
-        """Cancel all goals; return their ids, and who is silent, or None if there is no action.
-
-        All requests leave at once: an action that does not answer delays no other.
-        """
+        """Cancel all goals at once; return their ids, and who is silent; None without an action."""
         exempt = self.exempt if for_stop else set()
         asked: dict[str, Any] = {}
         while True:

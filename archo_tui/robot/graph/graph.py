@@ -84,10 +84,7 @@ class Graph:
         return self._last != before
 
     def recheck_service(self, service: str) -> None:
-        """Add a service to `offered`, and read the types of all services, if a server is there now.
-
-        Nothing else is asked: this is quick, for a STOP that waits for its server.
-        """
+        """Add a service to `offered` if a server is there now; it is quick, as a STOP waits."""
         if self._node.count_services(service):
             self._read_services()
             self.offered |= {service}
@@ -163,10 +160,7 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _read_services(self) -> None:
-        """Read the types of all services, and those of the robot's own services and actions.
-
-        The robot's own services are without those that every node has.
-        """
+        """Read the types of all services, and those of the robot's own services and actions."""
         services = dict(self._node.get_service_names_and_types())
         if services == self.services:
             return
@@ -191,10 +185,7 @@ class Graph:
         return name.startswith(self._below) and not is_hidden(name)
 
     def duplicate_servers(self, name: str) -> tuple[str, ...]:
-        """Return the nodes that serve a service or an action now; empty if fewer than two do.
-
-        If several of these nodes have one name, the result has that name as often.
-        """
+        """Return the nodes that serve a service or an action now; empty if fewer than two do."""
         found = []
         for service in (name, f"{name}{SEND}"):
             count = self._node.count_services(service)
@@ -240,10 +231,7 @@ class Graph:
             self._logged[name] = now
 
     def node_states(self) -> tuple[NodeState, ...]:
-        """Return for every node when it was last heard, and its rate, sorted by name.
-
-        A topic of the robot file tells of its first publisher.
-        """
+        """Return for every node when it was last heard, and its rate, sorted by name."""
         rates = self._topic_rates.items()
         by_node = ((self._publisher.get(topic, ""), rate) for topic, rate in rates)
         return tuple(node_states(self.names, self._logged, by_node).values())

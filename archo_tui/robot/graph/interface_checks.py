@@ -1,7 +1,4 @@
-"""The checks of the robot file's services and actions against the types on the graph.
-
-Only what fits is called. All of it runs on the ROS thread.
-"""
+"""The checks of the robot file's services and actions against the types on the graph."""
 
 from __future__ import annotations
 
@@ -62,11 +59,7 @@ class InterfaceChecks:
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:
-        """Return why services and actions are not used, by their names in the robot file.
-
-        Those that fit are left out. What is not on the graph yet is left out, too, except actions
-        in `unfit`.
-        """
+        """Return why services and actions are not used, by their names in the robot file."""
         found: dict[str, str] = {}
         for name, values in self._requests():
             if name in self._graph.offered and not found.get(name):
@@ -89,10 +82,7 @@ class InterfaceChecks:
             yield stop.release, stop.release_request
 
     def cancel_commands(self) -> str:
-        """Return the `ros2` command lines that cancel all goals of the robot file's actions.
-
-        They stand in one line, with `; ` between them.
-        """
+        """Return the `ros2` command lines that cancel all goals of the robot file's actions."""
         names = [self.full(kind.action) for kind in self._robot.goals]
         return "; ".join(ros2_command.cancel(name) for name in names)
 
@@ -170,10 +160,7 @@ def forms_of(robot: model.RobotFile) -> dict[str, tuple[TypedField, ...]]:
 
 
 def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:
-    """Return the fields of a goal's form; None if the action's type is not installed here.
-
-    A field that is converted, as a yaw, is a number in the form.
-    """
+    """Return the fields of a goal's form; None if the action's type is not installed here."""
     goal_type = load_class(kind.type)
     if goal_type is None:
         return None

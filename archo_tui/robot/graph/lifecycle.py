@@ -38,11 +38,7 @@ class Lifecycles:
         self._silent: set[str] = set()  # Nodes that left the last question unanswered.
 
     def poll(self, served: Mapping[str, Sequence[str]]) -> None:
-        """Follow the managed nodes that are on the graph now, and forget those that have left.
-
-        A new node is subscribed to and asked for its state; every managed node is asked again each
-        10 s.
-        """
+        """Follow the managed nodes that are on the graph now, and forget those that have left."""
         managed = {
             name.removesuffix(_GET_STATE)
             for name, types in served.items()
@@ -69,11 +65,7 @@ class Lifecycles:
                 self._submit(partial(self._ask, node))
 
     def with_states(self, nodes: Sequence[NodeState]) -> tuple[NodeState, ...]:
-        """Return nodes with the `lifecycle` of those that are managed; others stay as they are.
-
-        If a node did not answer the last question, `, no answer` follows its last state: it may
-        hang.
-        """
+        """Return nodes with the `lifecycle` of those that are managed; others stay as they are."""
         return tuple(
             node._replace(lifecycle=self._shown(node.name)) if node.name in self._words else node
             for node in nodes
@@ -94,13 +86,7 @@ class Lifecycles:
     async def change(
         self, node: str, word: str, gate: Gate, late: Callable[[Outcome], None]
     ) -> Outcome:
-        """Request a transition of a managed node, wait for its end, and ask for the new state.
-
-        The wait is CHANGE_TIMEOUT at most.
-
-        Raises:
-            Void: A STOP was read after the request was typed; nothing was sent.
-        """
+        """Request a transition, wait for its end, and ask for the new state; Void behind a STOP."""
         if node not in self._words:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
         available = await self._available(node)

@@ -80,10 +80,7 @@ class Parameters:
         }
 
     def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
-        """Begin to load the parameters of new nodes, and to read a part of the others again.
-
-        The parameters of nodes that have left are dropped, and their service clients destroyed.
-        """
+        """Begin to load the parameters of new nodes, and to read a part of the others again."""
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
             self._read.pop(gone, None)
@@ -177,11 +174,7 @@ class Parameters:
         return found
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
-        """Set parameters of a node, all or none of them, and read back what they are then.
-
-        Raises:
-            Void: A STOP was read after the request was typed.
-        """
+        """Set all of these parameters of a node or none, and read them back; Void behind a STOP."""
         before = self._event_texts(node, values)
         try:
             parameters = [self._message(node, name, value) for name, value in values.items()]
@@ -219,10 +212,7 @@ class Parameters:
         return {name: text_of(value) for name, value in known.items()}
 
     def _message(self, node: str, name: str, value: Any) -> Any:
-        """Return the message that sets a parameter; its type is that of the value.
-
-        An empty list gets the type that the parameter is known to have.
-        """
+        """Return the message that sets a parameter; its type is that of the value."""
         known = self._by_node.get(node, {}).get(name)
         if value == [] and known is not None:  # An empty list alone does not tell its type.
             number = next((number for number, kind in TYPES.items() if kind == known.type), 0)

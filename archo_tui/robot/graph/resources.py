@@ -43,10 +43,7 @@ class _TopicEnds(NamedTuple):
 
 
 class _Named(NamedTuple):
-    """The robot's topics, services and actions on the graph: the types by full name.
-
-    A service or an action may have only clients.
-    """
+    """The robot's topics, services and actions on the graph: the types by full name."""
 
     topics: Types
     services: Types
@@ -246,11 +243,7 @@ class PollSchedule(Generic[T]):
         self._urgent.update(dict.fromkeys(items))
 
     def take_due(self) -> Iterator[T]:
-        """Yield the items for this poll: all urgent ones, then the longest waiting up to a share.
-
-        The share is a thirtieth of all items, at least ten, less the urgent ones. A yielded item
-        counts as polled.
-        """
+        """Yield all urgent items, then those that wait longest, up to a thirtieth of all or ten."""
         urgent: Collection[T] = tuple(self._urgent)
         for item in urgent:
             del self._urgent[item]

@@ -1,7 +1,4 @@
-"""The requests that operate the robot: goals, services, STOP.
-
-Each runs on the ROS thread, within a deadline, with a report of its end.
-"""
+"""The requests that operate the robot: goals, services, STOP."""
 
 from __future__ import annotations
 
@@ -175,10 +172,7 @@ def _with_inactive_server(robot: Parts, action: str, outcome: Outcome) -> Outcom
 
 
 async def cancel(robot: Parts, *, another: bool = False) -> Outcome:
-    """Request the cancel of this console's running goal, or of another client's.
-
-    ACCEPTED means that the goal's end is reported later.
-    """
+    """Request the cancel of this console's running goal, or of another client's."""
     goal, command = robot.goals.goal, ""
     if goal is not None:
         command = ros2_command.cancel(robot.checks.full(goal.kind.action))
@@ -197,13 +191,7 @@ async def cancel_all(robot: Parts) -> Outcome:
 
 
 async def stop_sending_goals(robot: Parts) -> None:
-    """Refuse every further goal, also one that was typed before: the console ends.
-
-    Running goals go on.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-    """
+    """Refuse every further goal, also one that was typed before; running goals go on."""
 
     async def there() -> None:
         robot.goals.sending_has_ended = True
@@ -246,11 +234,7 @@ async def call(
     values: Mapping[str, Any],
     wait: float = CALL_WAIT,
 ) -> Outcome:
-    """Call any service by its full name; the outcome holds the answer.
-
-    `values` are by dotted path, and other fields keep their defaults. An event tells that the call
-    is still running after SLOW_CALL.
-    """
+    """Call any service by its full name; the outcome holds the answer."""
     srv_type = load_class(type_name)
     if srv_type is None:
         return Outcome(Code.REFUSED, check.not_installed(service, type_name))
@@ -294,11 +278,7 @@ async def call_named(
     gate: Gate,
     late: Callable[[Outcome], None],
 ) -> Outcome:
-    """Call a service of the robot file with the type of its server, if the request fits it.
-
-    `late` gets the outcome of an answer that comes after 2 s. ROS thread only; raises Void behind
-    a STOP.
-    """
+    """Call a service of the robot file with the type of its server, if the request fits it."""
     if name not in robot.graph.offered:
         return Outcome(Code.NOT_OFFERED, not_offered(robot.checks.full(name)))
     srv_type, reason = robot.checks.fitting_class(name, fields)
@@ -424,10 +404,7 @@ async def give_up_stop(robot: Parts) -> Outcome:
 
 
 def early_stop_request(robot: Parts) -> tuple[str, Mapping[str, Any]]:
-    """Return service and request of the call that a starting node makes before it spins.
-
-    They are "" and {} if no STOP holds, is open or is on its way. Any thread.
-    """
+    """Return service and request for a starting node; "" and {} if no STOP is open or holds."""
     stop, may_start = robot.file.stop, robot.stop_sender.stop.may_start
     if stop is None or (may_start and robot.stops.are_answered):
         return "", {}

@@ -50,10 +50,7 @@ async def _ask(robot: Parts, work: Callable[[], Coroutine[Any, Any, T]]) -> T | 
 
 
 async def set_parameters(robot: Parts, node: str, values: Mapping[str, Any]) -> Outcome:
-    """Set parameters of a node, all of them or none, and report it without secrets.
-
-    The text of the outcome tells the values that the node reports then, or why it refused.
-    """
+    """Set parameters of a node, all of them or none, and report it without secrets."""
     shown = masked(values)
     command = "" if any(map(is_secret, values)) else ros2_command.set_parameters(node, values)
     return await run(
@@ -79,10 +76,7 @@ def on_parameters_restored(robot: Parts, node: str, values: Mapping[str, Any]) -
 
 
 async def describe(robot: Parts, node: str) -> NodeInfo | Outcome:
-    """Ask for what a node publishes, serves and uses, its log level and its transitions.
-
-    What every node has, and hidden names, as of the topics of actions, are left out.
-    """
+    """Ask for what a node publishes, serves and uses, its log level and its transitions."""
 
     async def there() -> NodeInfo | Outcome:
         namespace, _, base = node.rpartition("/")

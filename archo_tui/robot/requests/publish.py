@@ -114,10 +114,7 @@ def _outcome(publication: Publication) -> Outcome:
 
 
 async def end_publications(robot: Parts) -> str:
-    """End all that this console publishes, as by cancel; return the topics, "" for none.
-
-    If the ROS thread does not answer, they end once it does.
-    """
+    """End all that this console publishes, as by cancel; return the topics, "" for none."""
 
     async def there() -> str:
         return robot.publications.end_all(_CANCEL)
@@ -129,10 +126,7 @@ async def end_publications(robot: Parts) -> str:
 
 
 def end_publications_now(robot: Parts) -> None:
-    """End all that this console publishes, and block until it is done, 0.5 s at most.
-
-    Any thread but that of ROS; also in a signal handler. What is being begun ends, too.
-    """
+    """End all that this console publishes, and block until it is done, 0.5 s at most."""
     done = threading.Event()
 
     def end() -> None:

@@ -60,12 +60,8 @@ async def inspect(
 ) -> AsyncIterator[Inspection]:
     """Count the messages of a topic while the context is entered; its value is the inspection.
 
-    `on_data` gets, on the ROS thread, monotonic time and bytes of each message, and True for one
-    that was sent before.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-        ArchoError: rclpy refuses the subscription, as Fast DDS does for a second type.
+    `on_data` gets, on the ROS thread, monotonic time, bytes, and True for a message from
+    before. Raises TimeoutError, or ArchoError if rclpy refuses the subscription.
     """
     inspection = Inspection(robot.node, robot.clock, topic, message_class, on_data)
 
@@ -104,11 +100,7 @@ async def follow_topic(
     request: Callable[[], TopicRequest],
     show: Callable[[TopicView], None],
 ) -> NoReturn:
-    """Show a topic, up to five views a second, until the task is cancelled.
-
-    `request` returns what the next view has to have. While nothing can be read, a view with a fault
-    is shown every two seconds.
-    """
+    """Show a topic, up to five views a second, until the task is cancelled."""
     while True:
         ends, view = await topic_info(robot, topic), TopicView(topic)
         if isinstance(ends, Outcome):
@@ -173,11 +165,7 @@ def _update(
 
 
 async def take_sightings(robot: Parts, seconds: float) -> tuple[Sighting, ...]:
-    """Return what is on the graph, after listening for `seconds` to what a robot file can use.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-    """
+    """Return what is on the graph, after listening for `seconds` to what a robot file can use."""
     topics = [found for found in robot.snapshot.resources if found.kind == TOPIC]
     named = {
         found.name: kind for found in topics for kind in found.types if kind in READ and found.nodes

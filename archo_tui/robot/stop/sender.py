@@ -41,14 +41,7 @@ class Answers(NamedTuple):
 
 
 class StopSender:
-    """The sender of STOP.
-
-    Attributes:
-        stop: The state of the machine.
-        time: Unix time at which the last STOP was confirmed; 0 before the first.
-        still_running: The names of the running goals that began before a confirmed STOP, and should
-            have ended by now.
-    """
+    """The sender of STOP."""
 
     def __init__(
         self,
@@ -66,7 +59,8 @@ class StopSender:
         self._goals, self._telemetry, self._unended_nodes = goals, telemetry, unended_nodes
         self._begun = self._clock.monotonic()
         self.stop = Stop()
-        self.time = 0.0
+        self.time = 0.0  # Unix time at which the last STOP was confirmed; 0 before the first.
+        # The running goals that began before a confirmed STOP, and should have ended by now.
         self.still_running: tuple[str, ...] = ()
         self._timer = self._node.create_steady_timer(_PERIOD, self.tick)
         self._timer.cancel()
@@ -84,11 +78,7 @@ class StopSender:
     # Calls.
 
     async def send(self, *, is_pressed: bool = True) -> Outcome:
-        """Send STOP, and wait until all servers have answered or their time is over.
-
-        The robot must have a STOP. If it is not confirmed, the text ends with the advice to use the
-        hardware stop.
-        """
+        """Send STOP, and wait until all servers have answered or their time is over."""
         outcome, _ = await self._call(self._begin_call(is_pressed=is_pressed))
         if outcome.ok:
             return outcome
@@ -164,13 +154,7 @@ class StopSender:
     async def _ask_servers(
         self, stop: model.StopServices, asked: Servers, on_late: Callable[[Answers], None]
     ) -> Answers:
-        """Call STOP, and return what its servers answered in time.
-
-        Args:
-            stop: The robot file's STOP.
-            asked: The nodes that serve it.
-            on_late: Called if the last answer comes later, within `LATE`.
-        """
+        """Call STOP, and return what its servers answered in time."""
         name = stop.service
         if name not in self._graph.offered:
             return _not_sent(Code.NOT_OFFERED, not_offered(self._checks.full(name)))

@@ -78,10 +78,7 @@ class Publications:
         *,
         takes_time: bool,  # The header has the time of each message.
     ) -> Publication:
-        """Publish the first message, once a subscriber was found or is not expected any more.
-
-        `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
-        """
+        """Publish the first message, once a subscriber was found or is not expected any more."""
         kind = name_of(type(message))
         ends = (*self._node.get_publishers_info_by_topic(topic), *self._ends(topic))
         own = self._node.get_name()

@@ -63,11 +63,7 @@ def _types_of(message_class: Any) -> tuple[_FieldType, ...]:
 
 
 def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[FieldView], bool]:
-    """Return the rows of a message, at most `MAX_FIELDS`, and True if it has more.
-
-    `open_arrays` has, by path, the first element that is shown. A large message takes long, and
-    interface files may be read: call this on no thread that others wait for.
-    """
+    """Return the rows of a message, at most `MAX_FIELDS`, and True if it has more."""
     found = list(islice(_fields(message, "", open_arrays), MAX_FIELDS + 1))
     return found[:MAX_FIELDS], len(found) > MAX_FIELDS
 
@@ -143,10 +139,7 @@ def _shown(value: Any, kind: str) -> bool | float | str:
 
 
 class TopicFields:
-    """The rows, ranges and curves of a topic's fields since the topic was opened.
-
-    `is_cut` is True if the message of the last `rows` has more fields than are returned.
-    """
+    """The rows, ranges and curves of a topic's fields since the topic was opened."""
 
     def __init__(self, units: Mapping[str, str]) -> None:
         self._units = units  # Of the robot file, by path.
@@ -158,10 +151,7 @@ class TopicFields:
         self.is_cut = False
 
     def add(self, time: float, message: Any, open_arrays: Mapping[str, int]) -> None:
-        """Make a message the last one, and add its numbers to ranges and curves; NaN is left out.
-
-        `time` is on the clock of `rows`. A hostile message may raise anything.
-        """
+        """Make a message the last one, and add its finite numbers to ranges and curves."""
         self._read(message, open_arrays)
         part = math.floor(time * PER_SECOND)
         for row in self._rows:
@@ -178,10 +168,7 @@ class TopicFields:
         return self._histories.setdefault(path, Series(PER_SECOND, round(SPAN * PER_SECOND)))
 
     def rows(self, now: float, request: TopicRequest) -> tuple[FieldView, ...]:
-        """Return the rows of the last message, with ranges and the visible curves; () without one.
-
-        A row that has not changed is the same object as before.
-        """
+        """Return the rows of the last message; one that is unchanged is the same object."""
         if self.message is None:
             return ()
         if self._open_arrays != request.open_arrays:
@@ -217,10 +204,7 @@ class TopicFields:
 
 
 def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int]) -> TopicView:
-    """Return a view of a message with the elements of other arrays; an error becomes its fault.
-
-    Fields that the view has keep their ranges and curves.
-    """
+    """Return a view of a message with the elements of other arrays; an error becomes its fault."""
     try:
         rows, is_cut = field_rows(message, open_arrays)
     except Exception as error:  # A hostile message may raise anything.
@@ -279,10 +263,7 @@ class Series:
                 del of[: -self._kept]
 
     def curve(self, now: float, span: float, columns: int) -> tuple[Range | None, ...]:
-        """Return the last `span` seconds in columns, each with the range of its values, or None.
-
-        The columns begin at multiples of their length, so that a column that is past never changes.
-        """
+        """Return the last `span` seconds in columns, each with the range of its values, or None."""
         width = span / columns
         oldest = math.floor(now / width) - columns + 1
         found: list[Range | None] = [None] * columns
