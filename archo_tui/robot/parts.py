@@ -81,7 +81,7 @@ class Parts(Runtime):
         self.lifecycles = Lifecycles(self)
         exempt = frozenset(kind.action for kind in file.goals if not kind.stop_cancels)
         self.goals = Goals(self, self._on_goal_change, self._on_goal_end, exempt, watching)
-        self.publications = Publications(self)
+        self.publications = Publications()
         self.goal_timer = node.create_steady_timer(WATCH_PERIOD, self.check_goals)
         self.goal_timer.cancel()
         self.stops = Stops()  # For any thread.
