@@ -16,8 +16,8 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import as_text
 from archo_tui.robot.node import ConsoleNode
-from archo_tui.robot.state.topic import TopicRequest
 from archo_tui.robot.topics import inspect
+from archo_tui.robot.topics.rows import TopicRequest
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 from tests.support.ros import begin

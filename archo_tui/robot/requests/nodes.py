@@ -15,10 +15,9 @@ from rclpy.action import (
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.graph import endpoints
-from archo_tui.robot.graph.graph import is_hidden, is_of_every_node
+from archo_tui.robot.graph.graph import SEND, is_hidden, is_of_every_node
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT
 from archo_tui.robot.graph.parameter_values import is_secret, masked
-from archo_tui.robot.graph.resources import SEND
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.node import DEADLINE, QUESTION_TIMEOUT

@@ -20,7 +20,6 @@ from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info
 from archo_tui.robot.state.frames import Transforms
 from archo_tui.robot.state.graph import TOPIC, Resource, TopicInfo
-from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.topics.frames import TF_MESSAGE
 from archo_tui.robot.topics.inspect import (
     PERIOD,
@@ -32,6 +31,7 @@ from archo_tui.robot.topics.inspect import (
     publisher_fault,
     types_of,
 )
+from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from archo_tui.robot_file.known_types import READ
 from archo_tui.robot_file.model import field_units
 from archo_tui.robot_file.propose import Sighting

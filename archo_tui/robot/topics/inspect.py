@@ -18,8 +18,13 @@ from archo_tui.robot.graph.endpoints import DEPTH, fitting_qos
 from archo_tui.robot.messages.period import RATE_INTERVALS
 from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.state.graph import TopicInfo
-from archo_tui.robot.state.topic import FieldView, TopicRequest, TopicView
-from archo_tui.robot.topics.rows import TopicFields, with_elements
+from archo_tui.robot.topics.rows import (
+    FieldView,
+    TopicFields,
+    TopicRequest,
+    TopicView,
+    with_elements,
+)
 from archo_tui.robot_file.check import not_installed
 from archo_tui.ros_names import package_of
 
