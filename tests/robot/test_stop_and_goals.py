@@ -64,12 +64,16 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         task = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].asked == 1)
         it.stops.register()
+        stop = asyncio.ensure_future(it.emergency_stop())
+        await until(lambda: it.snapshot.open_stop is not None)
         begin(made[0], lambda: made[0].takes.set_result(True))
         await until(task.done)
         assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
         await until(lambda: made[0].cancels >= 1)
         said = "shelf 3 was accepted after a STOP: cancelling it"
         await until(lambda: said in [event.text for event in it.snapshot.events])
+        assert not (await ended(stop)).ok
+        assert it.snapshot.open_stop is not None  # A goal from before it does not confirm it.
 
 
 async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancelled() -> None:
