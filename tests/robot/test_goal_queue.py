@@ -161,12 +161,6 @@ def test_a_queue_that_is_held_on_is_told_once() -> None:
     assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
 
 
-def test_without_a_goal_on_its_way_there_is_nothing_to_drop_or_call_off() -> None:
-    waiting = queue(7)
-    assert waiting.drop() == waiting
-    assert waiting.call_off() == waiting
-
-
 def running(number: int, *, mine: bool) -> Goal:
     return Goal(SHELF, {"shelf_number": 1}, Phase.MOVING, 0.0, 0.0, mine=mine, number=number)
 

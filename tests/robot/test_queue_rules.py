@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.robot.clients import YOU, Requester
-from archo_tui.robot.goals.queue import Deed, GoalQueue, OnItsWay, QueuedGoal, QueueEffect
+from archo_tui.robot.goals.queue import Deed, GoalQueue, OnItsWay, QueueEffect
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
@@ -46,10 +46,6 @@ def done(after: GoalQueue) -> list[tuple[QueueEffect, str, str]]:
 
 
 # What is typed.
-
-
-def test_a_goal_is_in_no_list_before_it_is_submitted() -> None:
-    assert QueuedGoal(SHELF, {}) == (SHELF, {}, 0, YOU, 0, 0, False)
 
 
 def test_goals_are_numbered_as_typed_and_the_first_of_each_list_leads_it() -> None:
@@ -121,6 +117,8 @@ def test_a_screen_that_ends_settles_what_it_did_not_send_and_forgets_the_rest() 
     over = coming.hand_over()
     assert over.drop() == over
     assert over.lose() == over._replace(coming=None)
+    waiting = queue(7)
+    assert waiting.drop() == waiting.call_off() == waiting  # None is on its way.
 
 
 # Its answer.

@@ -12,10 +12,9 @@ from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
 from rclpy.action import ActionServer, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
@@ -24,6 +23,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import Phase
 from tests.support import chosen, clock
 from tests.support.archo import go, reset
+from tests.support.by_hand import ByHand
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
 from tests.support.ros import begin
@@ -267,53 +267,26 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
         assert [e.count for e in it.snapshot.events] == [1]
 
 
-class Sluggish(Node):
+class Sluggish(ByHand):
     """Answers the first goal only at last, and knows nothing of it meanwhile; the next at once."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("sluggish", **options)
-        self.asked: list[bytes] = []
-        self.cancelled: list[bytes] = []
         self.at_last: Future[bool] = Future()
-        self.never: Future[bool] = Future()
         self.answered = 0
-        impl: Any = MoveToShelf.Impl
-        self.impl, prefix = impl, "move_to_shelf/_action"
-        group = ReentrantCallbackGroup()
-        for kind, name, answer in (
-            (impl.SendGoalService, "send_goal", self.accept),
-            (impl.GetResultService, "get_result", self.result),
-            (impl.CancelGoalService, "cancel_goal", self.cancel),
-        ):
-            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
-        self.create_timer(0.2, self.tell)
+        self.create_timer(0.2, lambda: len(self.goal_ids) > 1 and self.feed(self.goal_ids[1], 5.0))
 
     async def accept(self, request: Any, response: Any) -> Any:
-        self.asked.append(bytes(request.goal_id.uuid))
-        if len(self.asked) == 1:
+        await super().accept(request, response)
+        if len(self.goal_ids) == 1:
             await self.at_last
         self.answered += 1
-        response.accepted = True
         return response
 
     async def result(self, request: Any, response: Any) -> Any:
-        if bytes(request.goal_id.uuid) != self.asked[0]:
+        if bytes(request.goal_id.uuid) != self.goal_ids[0]:
             await self.never
         return response  # its status is UNKNOWN
-
-    async def cancel(self, request: Any, response: Any) -> Any:
-        self.cancelled.append(bytes(request.goal_info.goal_id.uuid))
-        return response
-
-    def tell(self) -> None:
-        if len(self.asked) > 1:
-            message = self.impl.FeedbackMessage()
-            message.goal_id.uuid = list(self.asked[1])
-            message.feedback.distance_remaining = 5.0
-            self.feedback.publish(message)
 
 
 async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
@@ -326,7 +299,7 @@ async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
         begin(made[0], lambda: made[0].at_last.set_result(True))
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
-        await until(lambda: made[0].cancelled == made[0].asked[:1])  # else it would be driven
+        await until(lambda: made[0].cancelled == made[0].goal_ids[:1])  # else it would be driven
         goal: Any = it.snapshot.goal
         assert (goal.target, goal.phase, goal.started) == ("7", Phase.MOVING, before.started)
         assert [g.target for g in it.snapshot.history] == ["3"]

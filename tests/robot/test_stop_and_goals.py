@@ -5,56 +5,27 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from archo_interfaces.action import MoveToShelf
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.stop.gate import NOT_SENT
 from tests.support.archo import SHELF, go
+from tests.support.by_hand import ByHand
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
 from tests.support.ros import begin
 
 
-class Slow(Node):
-    """Takes a goal only when it is told to; keeps the cancels that it is asked for."""
+class Slow(ByHand):
+    """Takes a goal only when it is told to."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("slow", **options)
-        self.asked, self.cancels = 0, 0
-        self.goal_id: Any = None
         self.takes: Future[bool] = Future()
-        self.never: Future[bool] = Future()
-        impl: Any = MoveToShelf.Impl
-        self.create_timer(0.1, lambda: None)  # rclpy looks at what waits when it is awake
-        group, prefix = ReentrantCallbackGroup(), "move_to_shelf/_action"
-        for kind, name, answer in (
-            (impl.SendGoalService, "send_goal", self.accept),
-            (impl.GetResultService, "get_result", self.result),
-            (impl.CancelGoalService, "cancel_goal", self.cancel),
-        ):
-            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
 
     async def accept(self, request: Any, response: Any) -> Any:
-        self.asked += 1
-        self.goal_id = request.goal_id
+        await super().accept(request, response)
         await self.takes
-        response.accepted = True
-        return response
-
-    async def result(self, _: Any, response: Any) -> Any:
-        await self.never
-        return response
-
-    async def cancel(self, request: Any, response: Any) -> Any:
-        self.cancels += 1
-        response.goals_canceling = [request.goal_info]
         return response
 
 
@@ -62,14 +33,14 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
     made: list[Slow] = []
     async with robot(making(made, Slow), offers="move_to_shelf") as it:
         task = asyncio.ensure_future(go(it, 3))
-        await until(lambda: made[0].asked == 1)
+        await until(lambda: made[0].goal_ids)
         it.stops.register()
         stop = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: it.snapshot.open_stop is not None)
         begin(made[0], lambda: made[0].takes.set_result(True))
         await until(task.done)
         assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
-        await until(lambda: made[0].cancels >= 1)
+        await until(lambda: made[0].cancelled)
         said = "shelf 3 was accepted after a STOP: cancelling it"
         await until(lambda: said in [event.text for event in it.snapshot.events])
         assert not (await ended(stop)).ok
@@ -80,13 +51,11 @@ async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancell
     made: list[Slow] = []
     async with robot(making(made, Slow), offers="move_to_shelf") as it:
         task = asyncio.ensure_future(go(it, 3))
-        await until(lambda: made[0].asked == 1)
+        await until(lambda: made[0].goal_ids)
         it.stops.register()
-        moves = MoveToShelf.Impl.FeedbackMessage()
-        moves.goal_id = made[0].goal_id
         assert (await ended(task)).code is Code.TIMEOUT
-        begin(made[0], made[0].feedback.publish, moves)
-        await until(lambda: made[0].cancels >= 1)
+        begin(made[0], made[0].feed, made[0].goal_ids[0], 9.0)
+        await until(lambda: made[0].cancelled)
 
 
 async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:
@@ -98,5 +67,5 @@ async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> N
             queued = await ended(it.send(SHELF, {"shelf_number": 4}, queued=True))
         assert outcome == (Code.CANCELLED, NOT_SENT)
         assert queued == (Code.HELD, NOT_SENT)  # it waits for the operator's word
-        assert made[0].asked == 0
+        assert made[0].goal_ids == []
         assert it.snapshot.goal is None
