@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from functools import partial
 from typing import Any, NamedTuple
 
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
@@ -40,6 +40,24 @@ _FARTHEST = 1e7  # m; more than around a quarter of the earth is no position.
 _MOST = 1e15  # Of a gauge without a range: a double has so many digits.
 
 
+class Reader(NamedTuple):
+    """A reading and its topic."""
+
+    # "battery", "motion", "pose", "diagnostics", the index of a gauge, or a topic to be recorded.
+    key: object
+    topic: str  # The topic as the robot file names it.
+    # The fields to read, by message type and name of the value; None: of any type, to be recorded.
+    types: Mapping[str, Mapping[str, Fields]] | None
+    # Called with a message and the fields of its type; returns True if a value has changed.
+    callback: Callable[[Any, Mapping[str, Fields]], bool]
+
+
+class _Subscription(NamedTuple):
+    qos: QoSProfile
+    subscription: Any = None  # rclpy's object; None if rclpy made none.
+    fault: str = ""  # Why rclpy made none; "" if it did.
+
+
 class Telemetry:
     """The last readings of battery, motion, pose, gauges and diagnostics."""
 
@@ -53,10 +71,21 @@ class Telemetry:
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
         record: Sequence[str] = (),  # Further topics, which only the black box has.
     ) -> None:
-        self._robot, self._clock, self._warn = robot, clock, warn
-        readers = [*self._make_readers()]
-        readers += [Reader(topic, topic, None, lambda *_: False) for topic in record]
-        self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
+        self._node, self._robot, self._clock = node, robot, clock
+        self._on_reading, self._on_stamp, self._warn = on_reading, on_stamp, warn
+        recorded = (Reader(topic, topic, None, lambda *_: False) for topic in record)
+        self._readers = (*self._make_readers(), *recorded)
+        # By the full name of the topic, and its type.
+        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
+        self._wanted: dict[tuple[str, str], list[Reader]] = {}
+        # Why a topic or one of its publishers is not read, by the topic in the robot file.
+        self.faults: dict[str, str] = {}
+        # The nodes that publish each reading, by key, and the ids of their publishers: a node that
+        # is restarted has new ones.
+        self._publishers: dict[object, frozenset[str]] = {}
+        self._endpoints: dict[object, frozenset[bytes]] = {}
+        # The silence in seconds that is allowed without a period, by key; None for any.
+        self._graces: dict[object, float | None] = {}
         self.periods: dict[object, Period] = {}  # The measured ones, by the key of the reading.
         topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
         # Those of the robot file, in seconds.
@@ -81,17 +110,12 @@ class Telemetry:
             charge=self.charge,
         )
 
-    @property
-    def faults(self) -> Mapping[str, str]:
-        """The reasons why a topic or one of its publishers is not read, by its name in the file."""
-        return self._subscriptions.faults
-
     def resubscribe(self) -> None:
         """Subscribe to what is published now, and update the faults and the silences allowed."""
-        before = dict(self._subscriptions.endpoints)
-        self._subscriptions.update()
+        before = dict(self._endpoints)
+        self._subscribe_all()
         for key, period in self.periods.items():
-            if self._subscriptions.endpoints.get(key) != before.get(key):
+            if self._endpoints.get(key) != before.get(key):
                 self.periods[key] = period.without_pauses()
         self._change_all(lambda key: {"grace": self._grace(key)})
 
@@ -139,9 +163,97 @@ class Telemetry:
         period of a topic that its node publishes, the new value holds at once if it is longer.
         """
         for key, period in self.periods.items():
-            is_its = node in self._subscriptions.publishers.get(key, ())
+            is_its = node in self._publishers.get(key, ())
             self.periods[key] = period.measured_again(old if is_its else None, new)
         self._change_all(lambda key: {"period": self._period(key)})
+
+    # One subscription for each topic and type: with two, each message would count twice.
+
+    def _subscribe_all(self) -> None:
+        faults: dict[str, str] = {}
+        wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
+        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
+        for reader in self._readers:
+            topic = self._node.resolve_topic_name(reader.topic)
+            if topic not in published:
+                published[topic] = self._node.get_publishers_info_by_topic(topic)
+            if (kind := self._usable(reader, published[topic], faults)) is not None:
+                wanted.setdefault((topic, kind), []).append(reader)
+        for key in [key for key in self._subscriptions if key not in wanted]:
+            # A topic without publishers keeps its subscription: they may come back.
+            if published[key[0]]:
+                self._end(self._subscriptions.pop(key))
+        self._wanted |= wanted
+        for key, readers in wanted.items():
+            self._subscribe(key, published[key[0]])
+            if self._subscriptions[key].fault:
+                faults.setdefault(readers[0].topic, self._subscriptions[key].fault)
+        for topic, fault in faults.items():
+            if self.faults.get(topic) != fault:
+                is_read = any(r.topic == topic and r.types is not None for r in self._readers)
+                self._warn(fault if is_read else f"not recorded: {fault}")
+        self.faults = faults
+
+    def _usable(
+        self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
+    ) -> str | None:
+        """Return the first published type that a reader can read; None if there is none."""
+        self._publishers[reader.key] = frozenset(
+            in_namespace(info.node_namespace, info.node_name) for info in publishers
+        )
+        self._endpoints[reader.key] = frozenset(bytes(info.endpoint_gid) for info in publishers)
+        if not publishers:
+            self._graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
+            return None
+        kinds: list[str] = sorted({info.topic_type for info in publishers})
+        types = {kinds[0]: {}} if reader.types is None else reader.types
+        known = {kind: load_class(kind) for kind in kinds if kind in types}
+        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
+        usable = [kind for kind in known if not lacking[kind]]
+        fault = next(filter(None, lacking.values()), "")
+        fault = fault or check.unexpected_type(reader.topic, kinds, types)
+        if fault:
+            faults.setdefault(reader.topic, fault)
+        if not usable:
+            return None
+        # A latched message may be sent once, and holds as long as its publisher is there.
+        if is_latched(publishers):
+            self._graces[reader.key] = None
+        else:
+            self._graces.pop(reader.key, None)
+        return usable[0]
+
+    def _subscribe(self, key: tuple[str, str], publishers: Sequence[Any]) -> None:
+        """Subscribe with a QoS that fits, unless that is done."""
+        (topic, kind), qos, old = key, fitting_qos(publishers), self._subscriptions.get(key)
+        if old is not None and old.qos == qos:
+            return
+        if old is not None:
+            self._end(old)
+        callback = partial(self._on_topic, key)
+        try:
+            made = self._node.listen_quietly(load_class(kind), topic, callback, qos)
+            self._subscriptions[key] = _Subscription(qos, made)
+        except Exception as error:  # Fast DDS allows one type of a topic in a process.
+            name = self._wanted[key][0].topic
+            fault = check.not_subscribed(name, kind, in_one_line(error))
+            self._subscriptions[key] = _Subscription(qos, None, fault)
+
+    def _on_topic(self, key: tuple[str, str], message: Any) -> None:
+        topic, kind = key
+        header = getattr(message, "header", None)
+        if header is not None and hasattr(header, "stamp"):
+            self._on_stamp(topic, header.stamp)
+        changed: dict[str, bool] = {}  # By the topic's name in the robot file.
+        for reader in self._wanted[key]:
+            new = reader.callback(message, {} if reader.types is None else reader.types[kind])
+            changed[reader.topic] = changed.get(reader.topic, False) or new
+        for name, has_changed in changed.items():
+            self._on_reading(name, has_changed)
+
+    def _end(self, ended: _Subscription) -> None:
+        if ended.subscription is not None:
+            self._node.destroy_subscription(ended.subscription)
 
     def _on_message(
         self, key: object, topic: str, title: str, message: Any, fields: Mapping[str, Fields]
@@ -174,8 +286,8 @@ class Telemetry:
 
     def _grace(self, key: object) -> float | None:
         """Return the seconds of silence allowed while a period is not known; None for any."""
-        if key in self._subscriptions.graces:
-            return self._subscriptions.graces[key]
+        if key in self._graces:
+            return self._graces[key]
         return self.periods.get(key, Period()).grace
 
     def _sample(self, now: float, *, turned: bool) -> None:
@@ -236,148 +348,6 @@ def _named_fields(fields: Any) -> dict[str, Fields]:
 def _range_text(gauge: Gauge) -> str:
     limited = gauge.low is not None and gauge.high is not None
     return f"within {gauge.low:g} .. {gauge.high:g}" if limited else "a number of this gauge"
-
-
-# Their subscriptions: one for each topic, of its type and QoS.
-
-
-class Reader(NamedTuple):
-    """A reading and its topic."""
-
-    # "battery", "motion", "pose", "diagnostics", the index of a gauge, or a topic to be recorded.
-    key: object
-    topic: str  # The topic as the robot file names it.
-    # The fields to read, by message type and name of the value; None: of any type, to be recorded.
-    types: Mapping[str, Mapping[str, Fields]] | None
-    # Called with a message and the fields of its type; returns True if a value has changed.
-    callback: Callable[[Any, Mapping[str, Fields]], bool]
-
-
-class _Subscription(NamedTuple):
-    """A subscription and what it was made for."""
-
-    qos: tuple[ReliabilityPolicy, DurabilityPolicy]  # Its reliability and its durability.
-    keys: tuple[object, ...]  # The keys of its readers.
-    subscription: Any = None  # rclpy's object; None if rclpy made none.
-    fault: str = ""  # Why rclpy made none; "" if it did.
-
-
-class ReadingSubscriptions:
-    """The subscriptions to the topics of the robot file's readings. ROS thread only."""
-
-    def __init__(
-        self,
-        node: ConsoleNode,
-        readers: Sequence[Reader],
-        on_reading: Callable[[str, bool], None],
-        on_stamp: Callable[[str, Any], None],
-        warn: Callable[[str], None],
-    ) -> None:
-        self._node, self._readers = node, tuple(readers)
-        self._on_reading, self._on_stamp, self._warn = on_reading, on_stamp, warn
-        # By the full name of the topic, and its type.
-        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
-        # Why a topic or one of its publishers is not read, by the topic in the robot file.
-        self.faults: dict[str, str] = {}
-        # The full names of the nodes that publish each reading, by key.
-        self.publishers: dict[object, frozenset[str]] = {}
-        # The ids of their publishers, by key: a node that is restarted has new ones.
-        self.endpoints: dict[object, frozenset[bytes]] = {}
-        # The silence in seconds that is allowed without a period, by key; None for any.
-        self.graces: dict[object, float | None] = {}
-
-    def update(self) -> None:
-        """Subscribe to what is published now, with its types and QoS, and update the attributes."""
-        faults: dict[str, str] = {}
-        wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
-        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
-        for reader in self._readers:
-            topic = self._node.resolve_topic_name(reader.topic)
-            if topic not in published:
-                published[topic] = self._node.get_publishers_info_by_topic(topic)
-            if (kind := self._usable(reader, published[topic], faults)) is not None:
-                wanted.setdefault((topic, kind), []).append(reader)
-        for key in [key for key in self._subscriptions if key not in wanted]:
-            # A topic without publishers keeps its subscription: they may come back.
-            if published[key[0]]:
-                self._end(self._subscriptions.pop(key))
-        for key, readers in wanted.items():
-            self._subscribe(key, readers, published[key[0]])
-            if self._subscriptions[key].fault:
-                faults.setdefault(readers[0].topic, self._subscriptions[key].fault)
-        for topic, fault in faults.items():
-            if self.faults.get(topic) != fault:
-                is_read = any(r.topic == topic and r.types is not None for r in self._readers)
-                self._warn(fault if is_read else f"not recorded: {fault}")
-        self.faults = faults
-
-    def _usable(
-        self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
-    ) -> str | None:
-        """Return the first published type that a reader can read; None if there is none."""
-        self.publishers[reader.key] = frozenset(
-            in_namespace(info.node_namespace, info.node_name) for info in publishers
-        )
-        self.endpoints[reader.key] = frozenset(bytes(info.endpoint_gid) for info in publishers)
-        if not publishers:
-            self.graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
-            return None
-        kinds: list[str] = sorted({info.topic_type for info in publishers})
-        types = {kinds[0]: {}} if reader.types is None else reader.types
-        known = {kind: load_class(kind) for kind in kinds if kind in types}
-        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
-        usable = [kind for kind in known if not lacking[kind]]
-        fault = next(filter(None, lacking.values()), "")
-        fault = fault or check.unexpected_type(reader.topic, kinds, types)
-        if fault:
-            faults.setdefault(reader.topic, fault)
-        if not usable:
-            return None
-        # A latched message may be sent once, and holds as long as its publisher is there.
-        if is_latched(publishers):
-            self.graces[reader.key] = None
-        else:
-            self.graces.pop(reader.key, None)
-        return usable[0]
-
-    def _subscribe(
-        self, key: tuple[str, str], readers: Sequence[Reader], publishers: Sequence[Any]
-    ) -> None:
-        """Make one subscription for all readers of a topic and type, with a QoS that fits."""
-        topic, kind = key
-        qos = fitting_qos(publishers)
-        made = _Subscription(
-            (qos.reliability, qos.durability), tuple(reader.key for reader in readers)
-        )
-        old = self._subscriptions.get(key)
-        if old is not None and old[:2] == made[:2]:
-            return
-        if old is not None:
-            self._end(old)
-
-        def on_message(message: Any) -> None:
-            header = getattr(message, "header", None)
-            if header is not None and hasattr(header, "stamp"):
-                self._on_stamp(topic, header.stamp)
-            changed: dict[str, bool] = {}  # By the topic's name in the robot file.
-            for reader in readers:
-                new = reader.callback(message, {} if reader.types is None else reader.types[kind])
-                changed[reader.topic] = changed.get(reader.topic, False) or new
-            for name, has_changed in changed.items():
-                self._on_reading(name, has_changed)
-
-        message_class = load_class(kind)
-        try:
-            subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
-        except Exception as error:  # Fast DDS allows one type of a topic in a process.
-            fault = check.not_subscribed(readers[0].topic, kind, in_one_line(error))
-            self._subscriptions[key] = made._replace(fault=fault)
-        else:
-            self._subscriptions[key] = made._replace(subscription=subscription)
-
-    def _end(self, ended: _Subscription) -> None:
-        if ended.subscription is not None:
-            self._node.destroy_subscription(ended.subscription)
 
 
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:

@@ -281,13 +281,9 @@ async def call_named(
     """Call a service of the robot file with the type of its server, if the request fits it."""
     if name not in robot.graph.offered:
         return Outcome(Code.NOT_OFFERED, not_offered(robot.checks.full(name)))
-    srv_type, reason = robot.checks.fitting_class(name, fields)
+    srv_type, request, reason = robot.checks.request(name, fields)
     if srv_type is None:
         return Outcome(Code.REFUSED, reason)
-    try:
-        request = filled(srv_type.Request(), fields)
-    except ValueError as error:
-        return Outcome(Code.MISUSE, str(error))
     answer = await robot.node.call(
         srv_type, name, request, gate=gate, late=lambda answer: late(_outcome_of(answer))
     )

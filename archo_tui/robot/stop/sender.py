@@ -14,7 +14,6 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
-from archo_tui.robot.messages.values import filled
 from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
 from archo_tui.robot.runtime import Runtime
@@ -158,10 +157,9 @@ class StopSender:
         name = stop.service
         if name not in self._graph.offered:
             return _not_sent(Code.NOT_OFFERED, not_offered(self._checks.full(name)))
-        srv_type, reason = self._checks.fitting_class(name, stop.request)
+        srv_type, request, reason = self._checks.request(name, stop.request)
         if srv_type is None:
             return _not_sent(Code.REFUSED, reason)
-        request = filled(srv_type.Request(), stop.request)
         servers = max(self._node.count_services(name), 1)
         wait = DEADLINE if servers == 1 else ALL_ANSWERS
         self._become(self.stop.leaving(self._node.next_turn(), asked))
