@@ -7,6 +7,7 @@ never one that was only requested.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping
+from copy import deepcopy
 from functools import partial
 from operator import is_
 from typing import Any
@@ -121,14 +122,21 @@ class Parameters:
             self._take(node, name, value)
 
     async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
-        """Ask a node for values; return them by name, {} if one is not set, None if none come."""
+        """Ask a node for values; return those that are set, by name, or None if none come."""
         got = await self._node.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         if got is None:
             return None
-        whole = len(got.values) == len(names)
-        return {n: as_python(v) for n, v in zip(names, got.values, strict=True)} if whole else {}
+        if len(got.values) == len(names):
+            return {n: as_python(v) for n, v in zip(names, got.values, strict=True)}
+        found: dict[str, Any] = {}
+        for name in names if len(names) > 1 else ():  # One without a value hides all.
+            alone = await self._values(node, [name])
+            if alone is None:
+                return None
+            found |= alone
+        return found
 
     async def _load(self, node: str) -> None:
         """Load all parameters of a node; if it does not answer, set when it is asked again."""
@@ -147,8 +155,6 @@ class Parameters:
                 once=True,
             )
             got = await self._values(node, names)
-            if got == {} and names:  # One without a value hides all, so each is read alone.
-                got = await self._one_by_one(node, names)
             if listed is None or described is None or got is None:
                 _, waited = self._retry.get(node, (0.0, _RETRY / 2))
                 wait = min(2 * waited, _LONGEST_RETRY)
@@ -163,15 +169,6 @@ class Parameters:
             self._on_change()
         finally:
             self._loading.discard(node)
-
-    async def _one_by_one(self, node: str, names: list[str]) -> dict[str, Any] | None:
-        found: dict[str, Any] = {}
-        for name in names:
-            got = await self._values(node, [name])
-            if got is None:
-                return None
-            found |= got
-        return found
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
         """Set all of these parameters of a node or none, and read them back; Void behind a STOP."""
@@ -192,18 +189,15 @@ class Parameters:
         if not answer.result.successful:
             reason = masked_text(answer.result.reason, values)
             return Outcome(Code.REFUSED, reason or "refused, no reason given")
-        names = list(values)
-        got = await self._node.call(
-            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
-        )
+        got = await self._values(node, list(values))
         if got is None:
-            were = ", ".join(f"{name} was {before[name]}" for name in names)
+            were = ", ".join(f"{name} was {text}" for name, text in before.items())
             unread = f"accepted, but {node} has not reported the new value"
             return Outcome(Code.DONE, f"{unread}; {were}")
-        for name, value in zip(names, got.values, strict=False):
-            self._take(node, name, as_python(value))
+        for name, value in got.items():
+            self._take(node, name, value)
         now = self._event_texts(node, values)
-        text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
+        text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in before)
         return Outcome(Code.DONE, text)
 
     def _event_texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
@@ -271,23 +265,14 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
 
 def without_secrets(message: ParameterEvent) -> ParameterEvent:
     """Return a message with MASK in place of secret values; the same object if it has none."""
-    parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
-    if not any(is_secret(parameter.name) for part in parts for parameter in part):
+
+    def secrets(event: ParameterEvent) -> list[ParameterMessage]:
+        parts = (event.new_parameters, event.changed_parameters, event.deleted_parameters)
+        return [parameter for part in parts for parameter in part if is_secret(parameter.name)]
+
+    if not secrets(message):
         return message
-    hidden = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
-    new, changed, deleted = (
-        [
-            ParameterMessage(name=parameter.name, value=hidden)
-            if is_secret(parameter.name)
-            else parameter
-            for parameter in part
-        ]
-        for part in parts
-    )
-    return ParameterEvent(
-        stamp=message.stamp,
-        node=message.node,
-        new_parameters=new,
-        changed_parameters=changed,
-        deleted_parameters=deleted,
-    )
+    hidden = deepcopy(message)
+    for parameter in secrets(hidden):
+        parameter.value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
+    return hidden

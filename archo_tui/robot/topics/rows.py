@@ -109,11 +109,6 @@ class _FieldType(NamedTuple):
         return self.element is None and NESTED.fullmatch(self.kind) is not None
 
 
-def _field_types(message: Any) -> tuple[_FieldType, ...]:
-    message_class: Any = type(message)
-    return _types_of(message_class)
-
-
 @lru_cache(256)
 def _types_of(message_class: Any) -> tuple[_FieldType, ...]:
     names = value_names(name_of(message_class))
@@ -130,7 +125,8 @@ def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[Field
 
 
 def _fields(message: Any, before: str, open_arrays: Mapping[str, int]) -> Iterator[FieldView]:
-    for field in _field_types(message):
+    message_class: Any = type(message)
+    for field in _types_of(message_class):
         yield from _row(f"{before}{field.name}", field, getattr(message, field.name), open_arrays)
 
 
