@@ -274,7 +274,11 @@ class Sluggish(ByHand):
         super().__init__("sluggish", **options)
         self.at_last: Future[bool] = Future()
         self.answered = 0
-        self.create_timer(0.2, lambda: len(self.goal_ids) > 1 and self.feed(self.goal_ids[1], 5.0))
+        self.create_timer(0.2, self.tell)
+
+    def tell(self) -> None:
+        if len(self.goal_ids) > 1:
+            self.feed(self.goal_ids[1], 5.0)
 
     async def accept(self, request: Any, response: Any) -> Any:
         await super().accept(request, response)

@@ -299,7 +299,8 @@ def test_a_silence_is_missed_until_it_is_typical(
     times: list[float], missed: int, typical: float
 ) -> None:
     period, silences = lost(times)
-    assert (len(silences), period.typical) == (missed, pytest.approx(typical, abs=0.11))
+    assert len(silences) == missed
+    assert period.typical == pytest.approx(typical, abs=0.11)
 
 
 def with_outages(*outages: float, each: float) -> list[float]:
