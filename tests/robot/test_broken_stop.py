@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.load import default_path
 from archo_tui.text.goal import goal_line
+from tests.robot.test_several_servers import Brake
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.quiet import ended, until
@@ -87,18 +89,6 @@ class Driver(Node):
         return MoveToShelf.Result(final_message="called back")
 
 
-class SecondStop(Node):
-    """Serves STOP, too, and says yes at once."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("second_stop", **options)
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-
-    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        response.success = True
-        return response
-
-
 class Other(Node):
     """Another client, which sends goals of its own."""
 
@@ -123,7 +113,7 @@ async def pass_time(seconds: float) -> None:
 @pytest.mark.parametrize("says", ["no", "nothing", LATE, ""])
 async def test_a_goal_is_cancelled_whatever_the_stop_answers(says: str) -> None:
     made: list[Driver] = []
-    more = [SecondStop] if says == LATE else []
+    more = [partial(Brake, "second_stop")] if says == LATE else []
     async with robot(making(made, Driver, says), *more, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         sent = clock.seconds()
@@ -278,32 +268,14 @@ async def test_a_stop_that_is_pressed_again_cancels_what_others_have_sent_since(
         await until(lambda: it.snapshot.running == 0)
 
 
-class Hangs(Node):
-    """Serves STOP, too, and never answers."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("hangs", **options)
-        self.never: Future[bool] = Future()
-        group = ReentrantCallbackGroup()
-        self.served = self.create_service(
-            EmergencyStop, "emergency_stop", self.stop, callback_group=group
-        )
-
-    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        await self.never
-        return response
-
-    def leave(self) -> None:
-        self.destroy_service(self.served)
-
-
 async def test_a_server_that_leaves_without_an_answer_makes_the_stop_uncertain() -> None:
-    made: list[Hangs] = []
-    async with robot(lambda **o: Driver("yes", **o), making(made, Hangs)) as it:
+    made: list[Brake] = []
+    hangs = making(made, Brake, "hangs", "nothing")
+    async with robot(lambda **o: Driver("yes", **o), hangs) as it:
         await until(lambda: "emergency_stop" in it.snapshot.duplicate_servers)
         assert not (await ended(it.emergency_stop())).ok
         begin(made[0], made[0].leave)
         await until(lambda: it.snapshot.open_stop is None)
         assert it.snapshot.latch is Latch.UNCERTAIN
         assert it.snapshot.latch_doubt == "/hangs has left without an answer"
-        made[0].never.set_result(True)
+        made[0].awake.set_result(True)
