@@ -134,8 +134,8 @@ class Parts(Runtime):
 
     def _on_motion(self, topic: str) -> None:
         self.goals.on_robot_message()
-        if topic in self.graph.publishers:  # The readings of several robots come mixed.
-            return
+        if len(self.graph.publishers.get(topic, ())) > 1:
+            return  # The readings of several robots come mixed.
         stop, motion = self.file.stop, self.telemetry.motion
         # One of several robots tells nothing about the others.
         if stop is not None and stop.service not in self.graph.duplicates:
@@ -260,17 +260,8 @@ class Parts(Runtime):
             stop_not_obeyed=stop.is_not_obeyed,
             still_running_after_stop=self.stop_sender.still_running,
             nodes=self.lifecycles.with_states(graph.node_states()),
-            offered=graph.offered,
             namespace=graph.namespace,
-            publishers=graph.publishers,
-            duplicate_nodes=graph.duplicate_nodes,
-            duplicate_servers=graph.duplicates,
-            has_clock=graph.has_clock,
-            other_namespaces=graph.other_namespaces,
-            consoles=graph.consoles,
-            actions=graph.listed.actions,
-            services=graph.listed.services,
-            resources=graph.listed.all,
+            **graph.shown(),
             message_rates=graph.message_rates(),
             transforms=self.frames.transforms,
             faults=self.faults,

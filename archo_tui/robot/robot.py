@@ -163,7 +163,7 @@ class Poller:
         robot.changes.author = CONSOLE if graph.silent_consoles else CLIENT
         self._report_consoles()
         now = robot.clock.monotonic()
-        for text in self._arrivals.compare(graph.names, robot.own_nodes(), now):
+        for text in self._arrivals.compare(graph.nodes, robot.own_nodes(), now):
             reporter.warn(text)
         robot.telemetry.resubscribe()
         robot.frames.update()
@@ -175,7 +175,7 @@ class Poller:
             robot.faults = faults
             robot.snapshots.send_soon()
         self._report_mismatches()
-        robot.parameters.poll(graph.node_counts, graph.services)
+        robot.parameters.poll(graph.nodes, graph.services)
         self._forget_clocks()
 
     def _find_faults(self) -> dict[str, str]:
@@ -208,7 +208,7 @@ class Poller:
         gone = [
             source
             for source in offsets.large
-            if source not in graph.names and (graph.has_clock or not graph.is_published(source))
+            if source not in graph.nodes and (graph.has_clock or not graph.is_published(source))
         ]
         if gone:
             offsets.forget(gone)

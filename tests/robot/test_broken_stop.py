@@ -229,9 +229,7 @@ async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> Non
         assert it.snapshot.still_running_after_stop == ("another client's goal",)
 
 
-async def test_what_others_send_behind_a_stop_goes_on_and_no_cancel_follows_a_stop_given_up() -> (
-    None
-):
+async def test_what_others_send_behind_a_stop_goes_on_even_if_it_is_given_up() -> None:
     made: list[Driver] = []
     others: list[Other] = []
     maker = making(made, lambda **options: Driver("no", heeds=False, **options))

@@ -145,7 +145,7 @@ def test_a_goal_beside_another_one_of_ours_is_not_sent(
         (False, True, Code.CANCELLED, "not sent: the console ends"),
     ],
 )
-def test_a_goal_is_not_sent_once_called_off_to_nobody_or_from_a_console_that_ends(
+def test_a_goal_is_not_sent_to_nobody_or_once_it_is_not_wanted(
     is_called_off: bool, is_served: bool, code: Code, words: str
 ) -> None:
     goal = sent().called_off() if is_called_off else sent()

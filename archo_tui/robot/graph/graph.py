@@ -49,14 +49,13 @@ class Graph:
         self._alone = (*stop, *self._actions)  # Each should have a single server.
         self.namespace = node.get_namespace()  # The robot's namespace.
         self._below = in_namespace(self.namespace, "")
-        self.names: list[str] = []  # The nodes in the namespace, or below it, that are not hidden.
-        self.node_counts: dict[str, int] = {}  # The number of nodes that have each of these names.
-        self.duplicate_nodes: tuple[str, ...] = ()  # The names that several nodes have.
+        # The nodes in the namespace, or below it, that are not hidden; how many have each name.
+        self.nodes: dict[str, int] = {}
         # The types of each service in all namespaces, also of one that has only clients.
         self.services: dict[str, list[str]] = {}
         # The names of the robot file for which a node publishes or serves something.
         self.offered: frozenset[str] = frozenset()
-        # The nodes of each topic of the robot file that several nodes publish.
+        # The nodes that publish each topic of the robot file; one that did last, if none does.
         self.publishers: dict[str, tuple[str, ...]] = {}
         # The nodes that serve each action of the robot file; an empty set if none does.
         self.servers: dict[str, frozenset[str]] = {}
@@ -73,14 +72,12 @@ class Graph:
         self.silent_consoles: frozenset[str] = frozenset()
         # The seconds to wait after a poll, so that polls take no more time than SHARE.
         self.rest = 0.0
-        self._last: object = None  # What the last poll found, as far as a snapshot shows it.
         self.listed = Resources(node, self.is_ours)  # What the robot offers.
         # The robot's services and actions with their types, also those that have only clients.
         self._named_services: dict[str, tuple[str, ...]] = {}
         self._named_actions: dict[str, tuple[str, ...]] = {}
         self._logged: dict[str, float] = {}  # By node, in monotonic seconds.
         self._topic_rates: dict[str, MessageRate] = {}
-        self._publisher: dict[str, str] = {}  # The first publisher of each topic of the file.
 
     def poll(self) -> bool:
         """Read the graph into the attributes; return True if what a snapshot shows has changed.
@@ -88,10 +85,25 @@ class Graph:
         The QoS and the nodes of topics, services and actions are read a part at a time: on a large
         graph they are complete only after several polls.
         """
-        begun, before = time.thread_time(), self._last
+        begun, before = time.thread_time(), (self.nodes.keys(), self.shown())
         self._poll()
         self.rest = (time.thread_time() - begun) / SHARE
-        return self._last != before
+        return before != (self.nodes.keys(), self.shown())
+
+    def shown(self) -> dict[str, Any]:
+        """Return the fields of a snapshot that a poll finds."""
+        return {
+            "offered": self.offered,
+            "publishers": {t: nodes for t, nodes in self.publishers.items() if len(nodes) > 1},
+            "duplicate_nodes": tuple(name for name, count in self.nodes.items() if count > 1),
+            "duplicate_servers": self.duplicates,
+            "has_clock": self.has_clock,
+            "other_namespaces": self.other_namespaces,
+            "consoles": self.consoles,
+            "actions": self.listed.actions,
+            "services": self.listed.services,
+            "resources": self.listed.all,
+        }
 
     def recheck_service(self, service: str) -> None:
         """Add a service to `offered` if a server is there now; it is quick, as a STOP waits."""
@@ -117,28 +129,22 @@ class Graph:
     def _poll(self) -> None:
         pairs = self._node.get_node_names_and_namespaces()
         found = Counter(_full(*pair) for pair in pairs)
-        names = sorted(name for name in found if self.is_ours(name))
+        self.nodes = {name: found[name] for name in sorted(found) if self.is_ours(name)}
         others = {name.rpartition("/")[0] or "/" for name in found if not is_hidden(name)}
         self.other_namespaces = tuple(sorted(others - {self.namespace}))
         self._find_consoles(found)
         self.silent_consoles = frozenset(self.consoles)
         if self.consoles:
             self.silent_consoles -= self._record_publishers()
-        self.node_counts = {name: found[name] for name in names}
         self.has_clock = self._node.count_publishers("/clock") > 0
-        self.duplicate_nodes = tuple(name for name in names if found[name] > 1)
         self._read_services()
         # A name may be that of a client, as of our own, so the servers are counted.
         count = self._node.count_services
         offered = {name for name in self._services if count(name)}
-        self.publishers = {}
         for topic in self._topics:
-            nodes = [_node_of(i) for i in self._node.get_publishers_info_by_topic(topic)]
-            if nodes:
-                self._publisher[topic] = nodes[0]
-                offered.add(topic)
-            if len(nodes) > 1:
-                self.publishers[topic] = tuple(sorted(nodes))
+            nodes = sorted(map(_node_of, self._node.get_publishers_info_by_topic(topic)))
+            offered |= {topic} if nodes else set()
+            self.publishers[topic] = tuple(nodes) or self.publishers.get(topic, ())[:1]
         for action in self._actions:
             if count(f"{action}/_action/send_goal"):
                 offered.add(action)
@@ -152,13 +158,7 @@ class Graph:
         )
         servers = {name: self.duplicate_servers(name) for name in self._alone}
         self.duplicates = {name: nodes for name, nodes in servers.items() if nodes}
-        self.names, self.offered = names, frozenset(offered)
-        listed = self.listed
-        self._last = (
-            *(names, offered, listed.actions, listed.services, listed.all, self.consoles),
-            *(self.has_clock, self.publishers, self.duplicate_nodes, self.other_namespaces),
-            self.duplicates,
-        )
+        self.offered = frozenset(offered)
 
     def _record_publishers(self) -> set[str]:
         infos = self._node.get_publishers_info_by_topic(audit_records.TOPIC)
@@ -236,15 +236,16 @@ class Graph:
         self._topic_rates[topic] = MessageRate(now) if rate is None else rate.with_message_at(now)
 
     def on_log_line(self, name: str, now: float) -> None:
-        """Record that a node was heard by a log line; a name that is not in `names` is ignored."""
-        if name in self.names:
+        """Record that a node was heard by a log line; a name that is not in `nodes` is ignored."""
+        if name in self.nodes:
             self._logged[name] = now
 
     def node_states(self) -> tuple[NodeState, ...]:
         """Return for every node when it was last heard, and its rate, sorted by name."""
         rates = self._topic_rates.items()
-        by_node = ((self._publisher.get(topic, ""), rate) for topic, rate in rates)
-        return tuple(node_states(self.names, self._logged, by_node).values())
+        # A topic of several nodes tells of the first.
+        by_node = ((next(iter(self.publishers.get(t, ())), ""), rate) for t, rate in rates)
+        return tuple(node_states(self.nodes, self._logged, by_node).values())
 
     def message_rates(self) -> dict[str, MessageRate]:
         """Return the rate of each topic of the robot file that was received, by its full name."""

@@ -78,7 +78,7 @@ class Publication:
 
     @property
     def outcome(self) -> Outcome:
-        """How it ended."""
+        """The outcome of one that is over."""
         count = f"{self.count} message{'s' * (self.count != 1)}"
         if self.ended == CANCEL and self.times is None:  # There is no other end.
             return Outcome(Code.DONE, f"ended after {count}")
