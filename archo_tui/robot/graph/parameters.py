@@ -6,6 +6,7 @@ never one that was only requested.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Container, Iterable, Mapping
 from copy import deepcopy
 from functools import partial
@@ -39,6 +40,27 @@ PERIOD = 30.0  # Seconds after which the parameters of a node are read again, at
 MOST_AGAIN = 5  # Nodes that are read again at a poll, of which there is one a second.
 
 
+class _NodeParameters:
+    """What is known of the parameters of one node."""
+
+    def __init__(self) -> None:
+        self.parameters: dict[str, Parameter] | None = None  # None until it has answered.
+        self.count = 0  # The nodes of this name at the last poll.
+        self.is_serving = self.is_loading = False
+        self.due = -math.inf  # When it is asked again, in monotonic seconds,
+        self.wait = _RETRY  # and how much later, in seconds, if it does not answer then.
+
+    def get(self, name: str) -> Parameter | None:
+        return None if self.parameters is None else self.parameters.get(name)
+
+    def forget(self) -> None:
+        """Have the next poll load all of them."""
+        self.parameters, self.due = None, -math.inf
+
+
+_UNKNOWN = _NodeParameters()  # Of a node that no poll has found.
+
+
 class Parameters:
     """A mirror of the parameters of all nodes: loads them, follows their changes, and sets them."""
 
@@ -51,14 +73,8 @@ class Parameters:
         self._node, self._clock = runtime.node, runtime.clock
         self._submit, self._on_change = runtime.thread.submit, runtime.snapshots.send_soon
         self._on_new_value, self._tell_event = on_new_value, on_event
-        self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
-        self._serving: set[str] = set()  # Those of them that have parameter services.
-        # For nodes that did not answer: when to ask again (monotonic seconds), and the last wait.
-        self._retry: dict[str, tuple[float, float]] = {}
-        self._by_node: dict[str, dict[str, Parameter]] = {}
+        self._nodes: dict[str, _NodeParameters] = {}
         self._all: tuple[Parameter, ...] = ()  # What `all` returned last.
-        self._loading: set[str] = set()
-        self._read: dict[str, float] = {}  # When each node was asked last, in monotonic seconds.
         self._node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
@@ -66,7 +82,8 @@ class Parameters:
 
         The tuple is the same object until something changes.
         """
-        found = [p for node in sorted(self._by_node) for p in self._by_node[node].values()]
+        nodes = (self._nodes[node].parameters for node in sorted(self._nodes))
+        found = [parameter for known in nodes if known for parameter in known.values()]
         if len(found) != len(self._all) or not all(map(is_, found, self._all)):
             self._all = tuple(found)
         return self._all
@@ -75,50 +92,45 @@ class Parameters:
     def unreported(self) -> dict[str, str]:
         """The nodes whose parameters are not in the mirror, by full name, each with the reason."""
         return {
-            node: NOT_REPORTED if node in self._serving else NO_PARAMETER_SERVICES
-            for node in self._known
-            if node not in self._by_node
+            node: NOT_REPORTED if known.is_serving else NO_PARAMETER_SERVICES
+            for node, known in self._nodes.items()
+            if known.parameters is None
         }
 
     def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
         """Begin to load the parameters of new nodes, and to read a part of the others again."""
-        for gone in self._known.keys() - nodes.keys():
-            self._retry.pop(gone, None)
-            self._read.pop(gone, None)
+        for gone in self._nodes.keys() - nodes.keys():
+            del self._nodes[gone]
             self._node.destroy_clients(gone)
-            if self._by_node.pop(gone, None) is not None:
-                self._on_change()
-        serving = {name for name in nodes if f"{name}/list_parameters" in offered}
-        if serving != self._serving:
-            self._serving = serving
             self._on_change()
-        now = self._clock.monotonic()
+        now, before = self._clock.monotonic(), self.unreported
         for name, count in nodes.items():
-            known = name in self._by_node and count <= self._known.get(name, count)
-            known = known or name in self._loading or now < self._retry.get(name, (0.0, 0.0))[0]
-            if not known and name in serving:
-                self._loading.add(name)
-                self._submit(partial(self._load, name))
-        self._known = dict(nodes)
+            known = self._nodes.setdefault(name, _NodeParameters())
+            known.is_serving = f"{name}/list_parameters" in offered
+            is_due = now >= known.due if known.parameters is None else count > known.count
+            known.count = count
+            if is_due and known.is_serving and not known.is_loading:
+                known.is_loading = True
+                self._submit(partial(self._load, name, known))
+        if self.unreported != before:
+            self._on_change()
         # Those that have waited longest are read again, a few at each poll.
-        due = sorted(self._by_node.keys() - self._loading, key=lambda node: self._read[node])
-        for node in due[: min(MOST_AGAIN, 1 + len(due) // int(PERIOD))]:
-            if now - self._read[node] >= PERIOD:
-                self._read[node] = now
-                self._submit(partial(self._refresh, node))
+        loaded = [node for node, known in self._nodes.items() if known.parameters is not None]
+        waiting = sorted(loaded, key=lambda node: self._nodes[node].due)
+        for node in waiting[: min(MOST_AGAIN, 1 + len(waiting) // int(PERIOD))]:
+            if now >= self._nodes[node].due and not self._nodes[node].is_loading:
+                self._nodes[node].due = now + PERIOD
+                self._submit(partial(self._refresh, node, self._nodes[node]))
 
-    async def _refresh(self, node: str) -> None:
+    async def _refresh(self, node: str, known: _NodeParameters) -> None:
         """Read the parameters of a node again; if it has others now, forget it, to load it anew."""
-        known = self._by_node.get(node, {})
         # A parameter without a value cannot be read; its node publishes when it gets one.
-        names = [name for name in known if known[name].value is not None]
+        parameters = (known.parameters or {}).values()
+        names = [parameter.name for parameter in parameters if parameter.value is not None]
         got = await self._values(node, names) if names else {}
-        if got is None or node not in self._by_node:
-            return
-        if len(got) != len(names):
-            del self._by_node[node]  # Its parameters are others now: the next poll loads all.
-            return
-        for name, value in got.items():
+        if got is not None and len(got) != len(names):
+            known.forget()
+        for name, value in (got or {}).items():
             self._take(node, name, value)
 
     async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
@@ -138,7 +150,7 @@ class Parameters:
             found |= alone
         return found
 
-    async def _load(self, node: str) -> None:
+    async def _load(self, node: str, known: _NodeParameters) -> None:
         """Load all parameters of a node; if it does not answer, set when it is asked again."""
         try:
             listed = await self._node.call(
@@ -156,19 +168,17 @@ class Parameters:
             )
             got = await self._values(node, names)
             if listed is None or described is None or got is None:
-                _, waited = self._retry.get(node, (0.0, _RETRY / 2))
-                wait = min(2 * waited, _LONGEST_RETRY)
-                self._retry[node] = self._clock.monotonic() + wait, wait
+                known.due = self._clock.monotonic() + known.wait
+                known.wait = min(2 * known.wait, _LONGEST_RETRY)
                 return
-            self._retry.pop(node, None)
-            self._read[node] = self._clock.monotonic()
-            self._by_node[node] = {
+            known.due, known.wait = self._clock.monotonic() + PERIOD, _RETRY
+            known.parameters = {
                 name: _parameter(node, name, descriptor, got.get(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
             }
             self._on_change()
         finally:
-            self._loading.discard(node)
+            known.is_loading = False
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
         """Set all of these parameters of a node or none, and read them back; Void behind a STOP."""
@@ -207,7 +217,7 @@ class Parameters:
 
     def _message(self, node: str, name: str, value: Any) -> Any:
         """Return the message that sets a parameter; its type is that of the value."""
-        known = self._by_node.get(node, {}).get(name)
+        known = self._nodes.get(node, _UNKNOWN).get(name)
         if value == [] and known is not None:  # An empty list alone does not tell its type.
             number = next((number for number, kind in TYPES.items() if kind == known.type), 0)
         else:
@@ -220,7 +230,7 @@ class Parameters:
         return made
 
     def _value(self, node: str, name: str) -> Any:
-        known = self._by_node.get(node, {}).get(name)
+        known = self._nodes.get(node, _UNKNOWN).get(name)
         return None if known is None else known.value
 
     def _on_event(self, event: ParameterEvent) -> None:
@@ -231,18 +241,22 @@ class Parameters:
         for message in (*event.new_parameters, *event.changed_parameters):
             self._take(event.node, message.name, as_python(message.value))
         for message in event.deleted_parameters:
-            if self._by_node.get(event.node, {}).pop(message.name, None) is not None:
+            known = self._nodes.get(event.node, _UNKNOWN).parameters
+            if known is not None and known.pop(message.name, None) is not None:
                 self._on_change()
 
     def _take(self, node: str, name: str, value: Any) -> None:
-        known = self._by_node.get(node, {}).get(name)
-        if known is None:
-            if node in self._by_node and node not in self._loading:
-                self._by_node.pop(node)  # Declared later: the next poll loads the whole node.
-        elif not same(known.value, value):
-            self._by_node[node][name] = known._replace(value=value)
+        known = self._nodes.get(node, _UNKNOWN)
+        parameter = known.get(name)
+        if known.parameters is None:
+            return
+        if parameter is None:
+            if not known.is_loading:
+                known.forget()  # It was declared later.
+        elif not same(parameter.value, value):
+            known.parameters[name] = parameter._replace(value=value)
             self._on_change()
-            self._on_new_value(node, known.value, value)
+            self._on_new_value(node, parameter.value, value)
 
 
 def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
