@@ -21,7 +21,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.dialog import Confirm, Dialog
@@ -274,7 +274,7 @@ class Desk(TerminalApp):
         question: str,
         safe: str,
         answers: Answers,
-        is_over: Callable[[Snapshot], bool] = lambda _: False,
+        is_over: Callable[[Goal | None], bool] = lambda _: False,
     ) -> None:
         """Show a question at once, whose answer may be a coroutine to run; or why it is not asked.
 
@@ -298,7 +298,7 @@ class Desk(TerminalApp):
                     self.run_worker(work, group=COMMANDS)
 
         def close_if_over() -> bool:
-            over = is_over(self.station.robot.snapshot)
+            over = is_over(self.station.running_goal)
             if over:
                 self.drop_following_keys(f"{title}: {GOAL_ENDED}")
                 self.report_failure(Outcome(Code.REFUSED, f"{title}: {GOAL_ENDED}"))
@@ -432,19 +432,27 @@ def asking_first(
 ) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
     """Return the `send` of a form, which at first returns what `ask` asks, if anything.
 
-    Called again with the same values, it sends; not before _AGREE_AFTER seconds: a key may be held
-    down.
+    Called again with the same values, about the same goal, it sends; not before _AGREE_AFTER
+    seconds: a key may be held down.
     """
-    asked: tuple[float, Mapping[str, Any]] | None = None
+    asked: tuple[float, Mapping[str, Any], Question] | None = None
 
     async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
         nonlocal asked
         question, now = ask(values), desk.station.clock.monotonic()
-        is_same = asked is not None and asked[1] == values
-        if question is not None and (asked is None or not is_same or now - asked[0] < _AGREE_AFTER):
-            asked = asked if is_same else (now, values)
-            return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
-        return await send(values)
+        if question is None:
+            return await send(values)
+        is_same = (
+            asked is not None
+            and asked[1] == values
+            and (asked[2].goal is None) == (question.goal is None)
+            and not asked[2].is_over(desk.station.running_goal)
+        )
+        if asked is None or not is_same:
+            asked = now, values, question
+        elif now - asked[0] >= _AGREE_AFTER:
+            return await send(values)
+        return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
 
     return ask_or_send
 

@@ -60,8 +60,6 @@ async def play(desk: Desk, recording: Recording) -> None:
     What was typed meanwhile and reached the console is for the replay, and dropped.
     """
     loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
-    ours, its = socket.socketpair()
-    ours.setblocking(False)
 
     def start() -> subprocess.Popen[bytes]:
         with its:
@@ -108,8 +106,14 @@ async def play(desk: Desk, recording: Recording) -> None:
         if code:
             fail("the replay broke off")
 
-    with ours, desk.opening():
-        process = await in_daemon(start)
+    with desk.opening(), contextlib.ExitStack() as stack:
+        try:
+            ours, its = socket.socketpair()
+            stack.enter_context(ours).setblocking(False)
+            process = await in_daemon(start)
+        except OSError as error:  # As when no process or descriptor is free.
+            desk.report_failure(Outcome(Code.REFUSED, f"not played: {error.strerror or error}"))
+            return
         ready = asyncio.ensure_future(loop.sock_recv(ours, 1))
         try:
             await asyncio.wait_for(follow(ready), LONGEST)

@@ -30,7 +30,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎‖", "|"),
         "░": ".", "·": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
-        **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # They follow a number.
+        "°": "*", "²": "2", "³": "3", "µ": "u", "×": "x",  # Of units.
         "▶": ">", "▸": ">", "▾": "v", "←": "<", "→": ">", "↑": "^", "↓": "v",
         "…": "~", "\N{NO-BREAK SPACE}": " ",
     }

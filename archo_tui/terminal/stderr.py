@@ -16,6 +16,7 @@ from archo_tui.paths import make_folder, state_file
 from archo_tui.regular_files import open_regular
 
 _GUARDS_OUTPUT = sys.platform != "win32"  # There Textual draws on it.
+_MAX_SIZE = 1_000_000  # Bytes of what earlier screens have left.
 PrintLine = Callable[[str], object]
 
 
@@ -26,26 +27,28 @@ def log_file() -> Path:
 
 @contextlib.contextmanager
 def guarded_streams(path: Path, print_line: PrintLine | None = None) -> Iterator[None]:
-    """Redirect the file descriptors 1 and 2 to a file, which is emptied, during the block.
+    """Redirect the file descriptors 1 and 2 to the end of a file during the block.
 
-    If the file cannot be written, what is printed is lost. `sys.__stdout__` and `sys.__stderr__`,
-    which Textual measures and draws on, are copies of the old descriptors. `print_line` is called
-    on a thread with each line of descriptor 1, which does not go to the file then.
+    A file over 1 MB is emptied before; if it cannot be written, what is printed is lost.
+    `sys.__stdout__` and `sys.__stderr__`, which Textual measures and draws on, are copies of the
+    old descriptors. `print_line` is called on a thread with each line of descriptor 1, which does
+    not go to the file then.
     """
     try:
         make_folder(path)
-        target = open_regular(path, os.O_WRONLY | os.O_CREAT)
-        os.ftruncate(target, 0)
+        target = open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        if os.fstat(target).st_size > _MAX_SIZE:
+            os.ftruncate(target, 0)
     except OSError:
         target = os.open(os.devnull, os.O_WRONLY)
     real_out, real_err = os.dup(1), os.dup(2)
     before = sys.__stdout__, sys.__stderr__
-    measured = os.fdopen(os.dup(real_out), "w")
+    measured, drawn_on = (os.fdopen(os.dup(each), "w") for each in (real_out, real_err))
     try:
         if _GUARDS_OUTPUT:
             sys.__stdout__ = measured  # type: ignore[misc]
             _redirect_output(target, print_line)
-        sys.__stderr__ = os.fdopen(os.dup(real_err), "w")  # type: ignore[misc]
+        sys.__stderr__ = drawn_on  # type: ignore[misc]
         os.dup2(target, 2)
         yield
     finally:
@@ -54,6 +57,8 @@ def guarded_streams(path: Path, print_line: PrintLine | None = None) -> Iterator
             os.dup2(copy, descriptor)
             os.close(copy)
         measured.close()
+        with contextlib.suppress(OSError):  # A terminal that does not read, or is gone.
+            drawn_on.close()
         os.close(target)
 
 

@@ -17,7 +17,7 @@ from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import NOT_REPORTED
-from archo_tui.robot.state.snapshot import Life, Snapshot
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.station import Station
 
@@ -84,10 +84,14 @@ class Question(NamedTuple):
     go: str
     goal: Goal | None = None
 
-    def is_over(self, snapshot: Snapshot) -> bool:
-        """Return True once the goal that it is about has ended."""
-        running = snapshot.running_goal
-        return self.goal is not None and (running is None or running.number != self.goal.number)
+    def is_over(self, running: Goal | None) -> bool:
+        """Return True once the goal that it is about has ended; a station tells which one runs."""
+        if self.goal is None or running is None:
+            return self.goal is not None
+        if self.goal.number:
+            return running.number != self.goal.number
+        # It was on its way to the robot then, and so had no number yet.
+        return (running.kind, running.fields) != (self.goal.kind, self.goal.fields)
 
 
 def split_options(words: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
@@ -434,10 +438,10 @@ async def _is_agreed(station: Station, question: Question, ask: Ask) -> bool:
         return True
     asking = asyncio.ensure_future(ask(question))
     try:
-        while not question.is_over(station.robot.snapshot):
+        while not question.is_over(station.running_goal):
             with suppress(TimeoutError):
                 await station.clock.wait_for(asyncio.shield(asking), _GOAL_POLL_PERIOD)
-                return not question.is_over(station.robot.snapshot)
+                return not question.is_over(station.running_goal)
         return False
     finally:
         asking.cancel()

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 
 from textual.app import ComposeResult
-from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.events import OWN_LEVELS, Event
@@ -15,7 +14,7 @@ from archo_tui.text.columns import QUIET, Columns, Text
 from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
 from archo_tui.text.state import with_short_types
 from archo_tui.widgets.field import Search
-from archo_tui.widgets.panel import FULL_SCREEN, Panel, ScreenState
+from archo_tui.widgets.panel import FULL_SCREEN, ListPanel, ScreenState
 from archo_tui.widgets.rows import Rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
@@ -74,7 +73,7 @@ def events_as_text(events: Iterable[Event]) -> str:
     return "".join(lines)
 
 
-class EventsPanel(Panel):
+class EventsPanel(ListPanel[Event]):
     """The list of events, newest first, from a level up, with a search."""
 
     title_text, verbs = "Events", ("events",)
@@ -92,32 +91,23 @@ class EventsPanel(Panel):
         self._level = _CYCLE[0]
         self._events: tuple[Event, ...] = ()
         self._hosted: tuple[Hosted, ...] = ()
-        self._rows: Rows[Event] = Rows(
+        self.rows: Rows[Event] = Rows(
             event_lines,
             lambda event: event.number,
             id="event-list",
             empty=_NO_EVENTS,
             action="app.command('whole_event')",
         )
-        self.search = Search(self._rows, self._refill)
+        self.search = Search(self.rows, self._refill)
 
     def compose(self) -> ComposeResult:
-        yield self._rows
+        yield self.rows
         yield self.search.line
 
     @property
     def shown(self) -> Sequence[Event]:
         """Return the events that level and search leave, the oldest first."""
-        return self._rows.items[::-1]
-
-    @property
-    def selected(self) -> Event | None:
-        """Return the event under the cursor; None in an empty list."""
-        return self._rows.item
-
-    @property
-    def focus_target(self) -> Widget:
-        return self._rows
+        return self.rows.items[::-1]
 
     def show(self, view: ScreenState) -> None:
         own = " and nodes" if self._level == "WARN" and any(n.file for n in view.hosted) else ""
@@ -136,10 +126,10 @@ class EventsPanel(Panel):
         matches, typed = self.search.matches, self.search.search_text
         at = f" at {self._level} and above."
         nothing = f"Nothing contains {typed}{at}" if typed else _NO_EVENTS[:-1] + at
-        self._rows.empty = nothing if self._events else _NO_EVENTS
+        self.rows.empty = nothing if self._events else _NO_EVENTS
         latest = reversed(self._events)
         at_level = [event for event in latest if is_shown(event, self._level, self._hosted)]
         shown = [event for event in at_level if matches(event.source, event.text)]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
         self.show_narrowed(level, self.search.show_count(len(shown), len(at_level)))
-        self._rows.show(shown)
+        self.rows.show(shown)

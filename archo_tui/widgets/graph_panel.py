@@ -5,13 +5,10 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from textual.app import ComposeResult
-from textual.widget import Widget
-
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns
 from archo_tui.text.graph import ResourceRow, resource_rows
-from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.panel import NONE_RECORDED, ListPanel, ScreenState
 from archo_tui.widgets.rows import Rows
 
 _KIND_WIDTH = 7  # Cells of `service`.
@@ -45,7 +42,7 @@ def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]
     return [*lines, *((f"  {line}", "bold") for part in wrong for line in part)]
 
 
-class GraphPanel(Panel):
+class GraphPanel(ListPanel[ResourceRow]):
     """The list of topics, services and actions."""
 
     title_text, verbs, place, needs_room = "Graph", ("topics",), "left", True
@@ -54,7 +51,7 @@ class GraphPanel(Panel):
 
     def __init__(self, snapshot: Snapshot) -> None:
         super().__init__(snapshot)
-        self._rows: Rows[ResourceRow] = Rows(
+        self.rows: Rows[ResourceRow] = Rows(
             resource_lines,
             lambda row: (row.resource.kind, row.resource.name),
             id="graph",
@@ -65,27 +62,15 @@ class GraphPanel(Panel):
         )
         self._drawn_inputs: object = None
 
-    def compose(self) -> ComposeResult:
-        yield self._rows
-
-    @property
-    def selected(self) -> ResourceRow | None:
-        """Return the row under the cursor; None in an empty list."""
-        return self._rows.item
-
-    @property
-    def focus_target(self) -> Widget:
-        return self._rows
-
     def show(self, view: ScreenState) -> None:
-        if not self.display and self._rows.items:  # Filled once while hidden, for keys typed ahead.
+        if not self.display and self.rows.items:  # Filled once while hidden, for keys typed ahead.
             return
         self.show_keys(view)
         if view.replay:
-            self._rows.empty = NONE_RECORDED
+            self.rows.empty = NONE_RECORDED
         drawn = view.second, view.snapshot.resources
         if drawn != self._drawn_inputs:
             self._drawn_inputs = drawn
             rows = resource_rows(view)
-            known = {row: row for row in self._rows.items}  # Equal rows are not laid out again.
-            self._rows.show([known.get(row, row) for row in rows])
+            known = {row: row for row in self.rows.items}  # Equal rows are not laid out again.
+            self.rows.show([known.get(row, row) for row in rows])

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 from textual.app import ComposeResult
 from textual.content import Content
-from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.snapshot import Snapshot
@@ -16,7 +15,7 @@ from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_colum
 from archo_tui.text.nodes import NodeRow, node_rows
 from archo_tui.text.state import PLAIN, STRONG, age_text
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.panel import NONE_RECORDED, ListPanel, ScreenState
 from archo_tui.widgets.rows import Rows
 
 _MARK_WIDTH, _AGE_WIDTH, _NAME_WIDTH = 2, 5, 16  # Cells; of a name at least.
@@ -80,7 +79,7 @@ def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
     return before if before is not None and before == now else now
 
 
-class NodesPanel(Panel):
+class NodesPanel(ListPanel[NodeRow]):
     """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
 
     title_text, verbs, place = "Nodes", ("nodes",), "left"
@@ -88,7 +87,7 @@ class NodesPanel(Panel):
 
     def __init__(self, snapshot: Snapshot) -> None:
         super().__init__(snapshot)
-        self._rows: Rows[NodeRow] = Rows(
+        self.rows: Rows[NodeRow] = Rows(
             node_lines,
             lambda row: row.name,
             id="nodes",
@@ -102,40 +101,26 @@ class NodesPanel(Panel):
 
     def compose(self) -> ComposeResult:
         yield self._titles
-        yield self._rows
+        yield self.rows
 
     @property
     def lines(self) -> int:
         """Return how many lines the whole list has, visible or not, with one for the titles."""
-        return self._rows.virtual_size.height + 1
-
-    @property
-    def selected(self) -> NodeRow | None:
-        """Return the node under the cursor; None in an empty list."""
-        return self._rows.item
-
-    @property
-    def shows_cursor(self) -> bool:
-        """Return True once the operator has moved the focus or the cursor to the list."""
-        return self._rows.shows_cursor
-
-    @property
-    def focus_target(self) -> Widget:
-        return self._rows
+        return self.rows.virtual_size.height + 1
 
     def show(self, view: ScreenState) -> None:
         self.keys = (("restart", "restart"), *_KEYS) if view.restart_waits else _KEYS
         self.show_keys(view)
         self.show_narrowed("restart waits" if view.restart_waits else "")
         if view.replay:
-            self._rows.empty = NONE_RECORDED
+            self.rows.empty = NONE_RECORDED
         # Ages change once a second only, so that many messages cause little traffic.
         drawn = (view.second, view.hosted, len(view.snapshot.nodes))
         if drawn != self._drawn_inputs:
             self._drawn_inputs = drawn
-            before = {row.name: row for row in self._rows.items}
+            before = {row.name: row for row in self.rows.items}
             # Equal rows stay the same objects, so that only changed ones are laid out.
-            self._rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
-        if self._rows.columns:
-            titles = node_titles(self._rows.columns)
-            self._titles.show(Content.styled(titles if self._rows.items else "", "bold"))
+            self.rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
+        if self.rows.columns:
+            titles = node_titles(self.rows.columns)
+            self._titles.show(Content.styled(titles if self.rows.items else "", "bold"))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
+from textual.app import ComposeResult
 from textual.containers import Container
 from textual.content import Content
 from textual.markup import escape
@@ -166,3 +168,29 @@ class Panel(Container):
         self.screen.set_focus(focus_target, scroll_visible=False)
         if isinstance(focus_target, Rows):
             focus_target.show_cursor()
+
+
+T = TypeVar("T")
+
+
+class ListPanel(Panel, Generic[T]):
+    """The base of the panels with a list."""
+
+    rows: Rows[T]
+
+    def compose(self) -> ComposeResult:
+        yield self.rows
+
+    @property
+    def selected(self) -> T | None:
+        """The item under the cursor; None in an empty list."""
+        return self.rows.item
+
+    @property
+    def shows_cursor(self) -> bool:
+        """True once the operator has moved the focus or the cursor to the list."""
+        return self.rows.shows_cursor
+
+    @property
+    def focus_target(self) -> Widget:
+        return self.rows

@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 
 from textual.app import ComposeResult
 from textual.content import Content
-from textual.widget import Widget
 
 from archo_tui.robot.graph.parameter_values import range_text
 from archo_tui.robot.messages.values import text_of
@@ -16,7 +15,7 @@ from archo_tui.safe_text import harmless
 from archo_tui.text.columns import QUIET, Columns, Text, column, crop, fit_columns, in_columns
 from archo_tui.widgets.field import Search
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import NONE_RECORDED, Panel, ScreenState
+from archo_tui.widgets.panel import NONE_RECORDED, ListPanel, ScreenState
 from archo_tui.widgets.rows import Rows
 
 _NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
@@ -27,7 +26,7 @@ _STANDARD_PREFIX = "qos_overrides."
 _WAITING = "? waiting for the nodes to report their parameters"
 
 
-class ParametersPanel(Panel):
+class ParametersPanel(ListPanel[Parameter]):
     """The table of parameters; `*` marks those that differ from the start."""
 
     title_text, verbs, place = "Parameters", ("params", "get"), "right"
@@ -45,7 +44,7 @@ class ParametersPanel(Panel):
         self._hidden_count = 0  # Parameters that the key hides or shows.
         # For everything, so that a filter moves no panel; with the descriptions, and without.
         self.lines = 0, 0
-        self._rows: Rows[Parameter] = Rows(
+        self.rows: Rows[Parameter] = Rows(
             self._draw_parameter,
             lambda p: (p.node, p.name),
             id="parameters",
@@ -54,32 +53,18 @@ class ParametersPanel(Panel):
             wraps=True,
             columns=self._measure,
         )
-        self.search = Search(self._rows, self._refill)
+        self.search = Search(self.rows, self._refill)
 
         self._waiting = _WAITING  # The text of an empty table.
         self._titles = Line(id="parameter-titles")
 
     def compose(self) -> ComposeResult:
         yield self._titles
-        yield self._rows
+        yield self.rows
         yield self.search.line
 
     def on_mount(self) -> None:
         self._refill()
-
-    @property
-    def focus_target(self) -> Widget:
-        return self._rows
-
-    @property
-    def shows_cursor(self) -> bool:
-        """Return True once the operator has moved the focus or the cursor to the list."""
-        return self._rows.shows_cursor
-
-    @property
-    def selected(self) -> Parameter | None:
-        """Return the parameter under the cursor; None in an empty table."""
-        return self._rows.item
 
     def show(self, view: ScreenState) -> None:
         self.show_keys(view)
@@ -99,7 +84,7 @@ class ParametersPanel(Panel):
         self.show_title(note if self._hidden_count else "")
 
     def _measure(self, parameters: Sequence[Parameter], width: int) -> Columns:
-        rows, both = self._rows.size.height, self._only_changed
+        rows, both = self.rows.size.height, self._only_changed
         return parameter_columns(parameters, width, rows, both=both)
 
     def _draw_parameter(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
@@ -109,7 +94,7 @@ class ParametersPanel(Panel):
         """Show only the parameters that differ from the start, with both values, or all again."""
         self._only_changed = not self._only_changed
         self._refill()
-        self._rows.redraw_all()
+        self.rows.redraw_all()
 
     def toggle_hidden(self) -> None:
         """Show or hide the unchanged parameters that an operator seldom changes.
@@ -140,8 +125,8 @@ class ParametersPanel(Panel):
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
             empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
-        self._rows.empty = empty
-        self._rows.show(shown)
+        self.rows.empty = empty
+        self.rows.show(shown)
         changed = "what differs from the start" if self._only_changed else ""
         self.show_narrowed(changed, self.search.show_count(len(shown), total))
         self._show_titles()
@@ -150,7 +135,7 @@ class ParametersPanel(Panel):
         self.call_after_refresh(self._show_titles)
 
     def _show_titles(self) -> None:
-        columns = self._rows.columns or parameter_columns((), self._rows.size.width, 0)
+        columns = self.rows.columns or parameter_columns((), self.rows.size.width, 0)
         titles = in_columns(_TITLES, columns[:-1], (2,))
         self._titles.show(Content.styled(titles, "bold"))
 

@@ -14,19 +14,26 @@ from tests.support.states import NORMAL, goal
 from tests.support.stub import stub_app
 
 
-async def test_an_answer_is_for_the_values_that_were_asked_about_and_not_for_others() -> None:
+async def test_an_answer_is_for_the_values_and_the_goal_that_were_asked_about() -> None:
     now, sent = [0.0], list[Any]()
-    station = SimpleNamespace(clock=SimpleNamespace(monotonic=lambda: now[0]))
+    station = SimpleNamespace(clock=SimpleNamespace(monotonic=lambda: now[0]), running_goal=None)
     console: Any = SimpleNamespace(station=station)
 
     async def send(values: Any) -> Outcome:
         sent.append(values)
         return Outcome(Code.DONE, "")
 
-    ask_or_send = asking_first(console, lambda _: Question("", "Sure?", "No", "Yes"), send)
+    station.running_goal = goal(Phase.MOVING).running_goal
+
+    def ask(_: Any) -> Question:
+        return Question("", "Sure?", "No", "Yes", station.running_goal)
+
+    ask_or_send = asking_first(console, ask, send)
     for now[0], values in ((0.0, {"x": 1}), (1.0, {"x": 5}), (1.1, {"x": 5})):
         assert (await ask_or_send(values)).text == "Sure? Then send it again."
-    now[0] = 2.0
+    now[0], station.running_goal = 2.0, None  # It has ended since.
+    assert not (await ask_or_send({"x": 5})).ok
+    now[0] = 3.0
     assert (await ask_or_send({"x": 5})).ok
     assert sent == [{"x": 5}]
 

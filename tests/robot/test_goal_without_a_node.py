@@ -113,6 +113,7 @@ async def test_of_one_that_crashes_too(here: Path, monkeypatch: pytest.MonkeyPat
         "            raise RuntimeError('a wheel came off')\n"
     )
     async with operated(node_files=[motor], ros_args=LONG) as person:
+        await person.until("the default of motor.py")  # It has taken the place of ARCHO's own.
         person.type("go 12\n")
         await person.until("a wheel came off")  # Its node is off the graph before, on ROS 2.
         assert await person.end() == 1

@@ -141,7 +141,7 @@ class Desk:
         main.goal.fields[0].clear()
         main.goal.set_typed([])
         main.focus_panel(4)
-        main.parameters._rows.shows_cursor = False
+        main.parameters.rows.shows_cursor = False
         main._focused_before = None
         app._leaves = False
         app.typed.clear()

@@ -255,6 +255,10 @@ def test_a_shortened_name_is_seen_to_be_one_in_ascii_too() -> None:
     assert in_ascii("start_type_de…ption") == "start_type_de~ption"
 
 
+def test_no_unit_is_shown_as_a_question_mark_in_ascii() -> None:
+    assert in_ascii("90°  0.4 m/s²  3 µs") == "90*  0.4 m/s2  3 us"
+
+
 async def test_without_colour_every_word_stays(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -45,8 +44,18 @@ def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:
 def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path]) -> None:
     with guarded_streams(misplaced(state_file("stderr.log"))):
         os.write(2, b"said by a library\n")
-        assert sys.__stderr__ is not None
-        sys.__stderr__.close()
+
+
+def test_what_a_screen_left_stays_for_a_report_up_to_a_megabyte(tmp_path: Path) -> None:
+    log = tmp_path / "stderr.log"
+    for number, expected in ((1, "1"), (2, "12")):
+        with guarded_streams(log):
+            os.write(2, b"%d" % number)
+        assert log.read_text() == expected
+    log.write_bytes(b" " * 1_000_001)
+    with guarded_streams(log):
+        os.write(2, b"3")
+    assert log.read_text() == "3"
 
 
 def test_a_full_disk_leaves_nothing_half_written(

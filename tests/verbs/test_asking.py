@@ -10,6 +10,7 @@ from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.verbs.verb import Question
 from tests.support import clock
 from tests.support.plain import Typed, operated, typing
 from tests.support.quiet import until
@@ -125,7 +126,7 @@ async def test_the_goals_of_others_are_cancelled_after_a_question(
 
 
 async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
-    robot = RecordingRobot(goal(Phase.MOVING))
+    robot = RecordingRobot(goal(Phase.MOVING, number=1))
     running = robot.snapshot.goal
     assert running is not None
     behind = running._replace(number=running.number + 1)
@@ -135,6 +136,17 @@ async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
         person.type("y\n")
         await person.until("failed: reset: the goal that was asked about has ended")
         assert robot.told == []
+
+
+def test_a_question_about_a_goal_on_its_way_to_the_robot_is_over_with_that_goal() -> None:
+    shown = goal(Phase.MOVING, number=1).running_goal
+    assert shown is not None
+    sent = shown._replace(number=0, phase=Phase.SENT)
+    question = Question("Reset", "Reset encoder now?", "No", "Yes", sent)
+    assert not question.is_over(sent)
+    assert not question.is_over(shown)
+    assert question.is_over(shown._replace(fields={"shelf": 99}))
+    assert question.is_over(None)
 
 
 async def test_what_a_file_would_change_is_listed_before_the_question(here: Any) -> None:

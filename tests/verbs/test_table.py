@@ -94,7 +94,7 @@ async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
     async with app.run_test(size=(120, 36)):
         asked: list[str] = []
         app.confirm = lambda _, text, *__: asked.append(text)  # type: ignore[method-assign]
-        app.main.nodes._rows.cursor = 0
+        app.main.nodes.rows.cursor = 0
         for command in COMMANDS:
             for verb in command.verbs:
                 if verb in WORDS and verb not in ("go", "copy", "halt", "start"):

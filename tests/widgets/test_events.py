@@ -97,7 +97,7 @@ async def test_page_keys_move_by_what_is_seen() -> None:
         assert height > 4
         for key in ("pagedown", "pagedown", "pageup", "end", "pageup", "home"):
             await op.press(key)
-            places.append(events._rows.cursor)
+            places.append(events.rows.cursor)
         page, last = height - 1, len(events.shown) - 1
         assert places == [page, 2 * page, page, last, last - page, 0]
         await op.press("pagedown")
