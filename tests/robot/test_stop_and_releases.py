@@ -1,4 +1,4 @@
-"""A release that left before a STOP, and that a busy robot takes behind it."""
+"""A release or a goal that left before a STOP, and that a busy robot takes behind it."""
 
 from __future__ import annotations
 

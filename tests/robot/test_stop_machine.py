@@ -1,4 +1,4 @@
-"""The times of STOP's rules, each at its edge; which states there are, test_explore.py explores."""
+"""The rules of STOP one by one; which states there are, test_explore.py explores."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ MOST_AGAIN = 5  # Nodes that are read again at a poll, of which there is one a s
 
 
 class _NodeParameters:
-    """What is known of the parameters of one node."""
+    """The parameters of one node, as far as they are known."""
 
     def __init__(self) -> None:
         self.parameters: dict[str, Parameter] | None = None  # None until it has answered.
