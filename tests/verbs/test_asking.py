@@ -138,7 +138,7 @@ async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
         assert robot.told == []
 
 
-def test_a_question_about_a_goal_on_its_way_to_the_robot_is_over_with_that_goal() -> None:
+def test_a_question_is_over_with_its_goal_that_was_on_its_way() -> None:
     shown = goal(Phase.MOVING, number=1).running_goal
     assert shown is not None
     sent = shown._replace(number=0, phase=Phase.SENT)
