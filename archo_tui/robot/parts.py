@@ -105,7 +105,7 @@ class Parts(Runtime):
     @property
     def snapshot(self) -> Snapshot:
         """The newest snapshot, also if it was not delivered yet. Any thread."""
-        return self.snapshots.mailbox.latest
+        return self.snapshots.latest
 
     def way_length(self, kind: GoalKind) -> float | None:
         """Return the length of the whole way for a kind of goal, by the robot file, or None."""

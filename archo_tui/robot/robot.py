@@ -88,12 +88,12 @@ class Robot(Parts):
 
     def subscribe(self, receiver: Receiver) -> None:
         """Call a function with the newest snapshot now, and with each later one on this loop."""
-        self.snapshots.mailbox.open(receiver)
+        self.snapshots.open(receiver)
         receiver(self.snapshot)
 
     def close(self) -> None:
         """Deliver no more snapshots, end the ROS thread, and leave the graph."""
-        self.snapshots.mailbox.close()
+        self.snapshots.close()
         if self.thread.stop():
             self.goals.close()
 

@@ -52,30 +52,6 @@ class Runtime:
 Receiver = Callable[[Snapshot], None]
 
 
-class SnapshotSender:
-    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only."""
-
-    def __init__(self, node: ConsoleNode, build: Callable[[], Snapshot]) -> None:
-        self._build = build
-        self.mailbox = Mailbox()  # The way to the front end; it holds the newest snapshot only.
-        # True if a message with a reading came since the last snapshot, even one that changed
-        # nothing.
-        self.is_stale = False
-        self._timer = node.create_steady_timer(PERIOD, self.send)
-        self._timer.cancel()
-
-    def send_soon(self) -> None:
-        """Have a snapshot sent within PERIOD; more calls before that change nothing."""
-        if self._timer.is_canceled():
-            self._timer.reset()
-
-    def send(self) -> None:
-        """Build a snapshot and put it into the mailbox now, in place of any that is due."""
-        self.is_stale = False
-        self._timer.cancel()
-        self.mailbox.put(self._build())
-
-
 class Mailbox:
     """The place of the newest snapshot: only one waits for delivery, however slow the loop."""
 
@@ -118,6 +94,30 @@ class Mailbox:
             snapshot = self._latest
         if self._receiver is not None:
             self._receiver(snapshot)
+
+
+class SnapshotSender(Mailbox):
+    """The mailbox with its sender, which has snapshots built. ROS thread only."""
+
+    def __init__(self, node: ConsoleNode, build: Callable[[], Snapshot]) -> None:
+        super().__init__()
+        self._build = build
+        # True if a message with a reading came since the last snapshot, even one that changed
+        # nothing.
+        self.is_stale = False
+        self._timer = node.create_steady_timer(PERIOD, self.send)
+        self._timer.cancel()
+
+    def send_soon(self) -> None:
+        """Have a snapshot sent within PERIOD; more calls before that change nothing."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+
+    def send(self) -> None:
+        """Build a snapshot and put it now, in place of any that is due."""
+        self.is_stale = False
+        self._timer.cancel()
+        self.put(self._build())
 
 
 class Reporter:
