@@ -245,10 +245,33 @@ NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
         ("check x.py --ros-args -p a:=1", "--ros-args is for the console, not for check"),
         ("go 12 --ros-args -r a:=b", "--ros-args is for the console, not for go"),
         ("--json status --ros-args -r a:=b", "--ros-args is for the console, not for status"),
+        (
+            "--params-file /no/such.yaml",
+            "/no/such.yaml: cannot read the parameter file: No such file or directory",
+        ),
+        (
+            "--namespace /dash-ed",
+            "--namespace /dash-ed: only letters, digits and _ between slashes, and no digit first",
+        ),
+        ("--namespace r2", "--namespace must begin with /: /r2"),
+        ("--engine warp", "no engine 'warp': one of embedded, ros2"),
+        (
+            "--attach",
+            "--attach needs --engine ros2: the embedded engine exists in this process only",
+        ),
+        (
+            "--on-disconnect leave",
+            "--on-disconnect leave needs --attach: the nodes hosted here end with the console",
+        ),
     ],
 )
 def test_words_that_mean_nothing_are_refused(words: str, said: str, refused: Refused) -> None:
     assert refused(*words.split()).partition("; ARCHO_TUI_SOCKETS is set")[0] == said
+
+
+@pytest.mark.parametrize("words", [["--bogus"], ["-p", "x"], ["-r"], ["-r", "a b:=c"]])
+def test_bad_ros_arguments(words: list[str], refused: Refused) -> None:
+    assert refused("--ros-args", *words)
 
 
 @pytest.mark.parametrize(
@@ -308,11 +331,6 @@ def test_a_screen_needs_a_terminal_for_each_of_its_streams(name: str) -> None:
     assert (done.returncode, done.stderr.decode()) == (2, said)
 
 
-def test_a_missing_parameter_file(refused: Refused) -> None:
-    said = refused("--params-file", "/no/such.yaml")
-    assert said == "/no/such.yaml: cannot read the parameter file: No such file or directory"
-
-
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
@@ -337,38 +355,8 @@ def test_a_bad_parameter_file_names_file_and_line(
     assert said in message
 
 
-def test_a_bad_namespace(refused: Refused) -> None:
-    assert "namespace" in refused("--namespace", "/dash-ed")
-    assert refused("--namespace", "r2") == "--namespace must begin with /: /r2"
-
-
-def test_an_engine_that_there_is_not(refused: Refused) -> None:
-    assert refused("--engine", "warp") == ("no engine 'warp': one of embedded, ros2")
-
-
-def test_attach_needs_the_real_ros(refused: Refused) -> None:
-    assert "--attach needs --engine ros2" in refused("--attach")
-
-
-def test_leaving_a_goal_running_needs_a_robot_elsewhere(refused: Refused) -> None:
-    assert refused("--on-disconnect", "leave").startswith("--on-disconnect leave needs --attach")
-
-
 def test_the_journals_path_is_printed() -> None:
     assert archo("journal").stdout.endswith("/state/archo-tui/journal.jsonl\n")
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["--ros-args", "--bogus"],
-        ["--ros-args", "-p", "x"],
-        ["--ros-args", "-r"],
-        ["--ros-args", "-r", "a b:=c"],
-    ],
-)
-def test_bad_ros_arguments(words: list[str], refused: Refused) -> None:
-    assert refused(*words)
 
 
 def test_a_bad_value_behind_ros_args_is_said(refused: Refused) -> None:

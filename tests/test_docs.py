@@ -19,6 +19,7 @@ from archo_tui import cli
 from archo_tui.cli.options import (
     SUBCOMMANDS,
     OneLineErrorParser,
+    add_subcommand_arguments,
     console_parser,
     split_line,
     split_ros_args,
@@ -173,10 +174,10 @@ def parse_command(words: list[str]) -> None:
     name, *rest = command or [""]
     if name in SUBCOMMANDS:
         made = OneLineErrorParser(name, "")
-        SUBCOMMANDS[name][1](made)
+        add_subcommand_arguments(made, name)
         made.parse_intermixed_args(rest)
     elif name and name not in ("VERB", "COMMAND"):
-        parse_verb(verbs_from_shells._CommandLine([name, *rest]).rest)
+        parse_verb(verbs_from_shells.CommandLine([name, *rest]).rest)
 
 
 def parse_verb(words: list[str]) -> None:
@@ -209,9 +210,9 @@ def test_what_is_installed_launched_or_run_by_python_exists(page: Path) -> None:
 
 def options() -> set[str]:
     made: list[Any] = [console_parser()]
-    for _, add_options in SUBCOMMANDS.values():
+    for name in SUBCOMMANDS:
         made.append(OneLineErrorParser("", ""))
-        add_options(made[-1])
+        add_subcommand_arguments(made[-1], name)
     found = {option for parser in made for option in parser._option_string_actions}
     found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
     return found | {YES, *VERB_FLAGS, *VERB_VALUES}

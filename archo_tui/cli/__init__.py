@@ -15,9 +15,9 @@ from archo_tui.cli import completion, graph, subcommands
 from archo_tui.cli.console import run_console
 from archo_tui.cli.launch import launch
 from archo_tui.cli.options import (
-    COMPLETE,
     SUBCOMMANDS,
     OneLineErrorParser,
+    add_subcommand_arguments,
     console_parser,
     split_line,
     split_ros_args,
@@ -53,6 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A console that asks for a restart replaces this process.
     """
+    if "_ARGCOMPLETE" in os.environ:  # Before all else: a `stop` that is being typed must not stop.
+        completion.complete()
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.
     for stream in (sys.stdout, sys.stderr):
@@ -96,8 +98,6 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     If an option of the console is wrong but one of the words is a STOP, the STOP is sent; the words
     behind a subcommand are not looked through for one.
     """
-    if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
-        return completion.print_candidates(words[1:])
     if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
         words = [*words[1:2], "--help"]
     words, arguments = _without_program_arguments(words)
@@ -121,14 +121,14 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         stop = command if is_stop_text(name) else words[at:]
         return send_stop(stop, words[:at], str(error), parser)
     if not name:
-        options.program_arguments = arguments
+        options.arguments = arguments
         return run_console(options, ros_args)
     _check_unused(ros_args, command)
     if name not in SUBCOMMANDS:
         return send_verb(command, options)
-    what, add_options = SUBCOMMANDS[name]
+    what, _ = SUBCOMMANDS[name]
     subparser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
-    add_options(subparser)
+    add_subcommand_arguments(subparser, name)
     # Some of the console's options are the subcommand's too.
     return _RUN[name](subparser.parse_intermixed_args([*of_console, *command[1:]]))
 

@@ -58,9 +58,7 @@ def _run(
     options: Namespace, ros_args: list[str], launch: Launch | None, left: Handover | None
 ) -> int:
     """Do what `run_console` does, with what the process before a restart has left."""
-    from pathlib import Path
-
-    if options.node or launch:
+    if options.node_files or launch:
         # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
@@ -74,30 +72,14 @@ def _run(
     stdin, sys.stdin = sys.stdin, StringIO()  # A node that asks for input gets none.
     if sys.stderr is not None:
         sys.stderr = HarmlessOutput(sys.stderr)
-    session = Session(
-        Options(
-            engine=options.engine,
-            params_files=[*map(Path, options.params_file)],
-            use_sim=options.use_sim,
-            namespace=options.namespace,
-            node_files=options.node,
-            arguments=options.program_arguments,
-            launch=launch,
-            only=options.only,
-            robot=Path(options.robot) if options.robot else None,
-            interfaces=[Path(folder) for folder in options.interfaces],
-            watch=options.watch,
-            ros_args=ros_args,
-            attach=options.attach,
-            on_disconnect=options.on_disconnect,
-            quiet_alarms=options.quiet_alarms,
-            recordings_limit=options.recordings_limit * 1_000_000,
-            record=Path(options.record) if options.record is not None else None,
-            remote=not options.no_remote,
-            handover=_with_typed_stop(left, stdin),
-            stop_was_typed=partial(_is_stop_typed, left, stdin),
-        )
-    )
+    given = {name: value for name, value in vars(options).items() if name in Options._fields}
+    given |= {
+        "ros_args": ros_args,
+        "launch": launch,
+        "handover": _with_typed_stop(left, stdin),
+        "stop_was_typed": partial(_is_stop_typed, left, stdin),
+    }
+    session = Session(Options(**given))
     stuck: list[str] = []
     code = FAILED
     try:

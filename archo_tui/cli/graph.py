@@ -101,21 +101,20 @@ def describe_robot(options: Namespace) -> int:
     It listens for some seconds, and sends nothing to the robot.
     """
     import asyncio
-    from pathlib import Path
 
     from archo_tui.parameters.save_load import write_atomically
     from archo_tui.robot_file.propose import SeveralRobots
     from archo_tui.session import Session
     from archo_tui.session_options import Options
 
-    if options.engine != "ros2":
+    if options.engine not in ("", "ros2"):
         raise ArchoError("robot looks at a ROS 2 graph, which the embedded engine has not")
-    path = Path(options.out) if options.out else None
+    path = options.out
     if path is not None and os.path.lexists(path):
         raise ArchoError(f"{path} already exists: name another file")
     try:
         with Session(
-            Options(engine="ros2", attach=True, watch=True, namespace=options.namespace)
+            Options(engine="ros2", attach=True, watch=True, namespace=options.namespace or "/")
         ) as session:
             text = asyncio.run(_wait_for_robot_file(session.station))
     except SeveralRobots as error:

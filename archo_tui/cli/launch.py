@@ -28,7 +28,7 @@ def launch(options: Namespace) -> int:
     from archo_tui.session_options import Launch
     from archo_tui.user_code.launch_file import NothingRunsError
 
-    file = _launch_file(Path(options.file))
+    file = _launch_file(options.file)
     if options.show_args:
         with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
             plan = evaluate(str(file), Workspace.around(file), Path(prefix), None)
@@ -36,7 +36,7 @@ def launch(options: Namespace) -> int:
             print(safe(line))
         return 0
     chosen = Launch(file, parse_arguments(options.arguments))
-    console = vars(console_parser().parse_args(["--only"])) | vars(options)
+    console = vars(console_parser().parse_args(["--only"])) | vars(options) | {"arguments": ()}
     try:
         return run_console(Namespace(**console), [], chosen)
     except NothingRunsError as error:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import islice
+from pathlib import Path
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
@@ -13,7 +14,6 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-COMPLETE = "__complete"  # The hidden command of completion scripts; cobra's has the same name.
 ENGINES = ("embedded", "ros2")
 
 _DESCRIPTION = """\
@@ -28,6 +28,173 @@ commands (archo-tui COMMAND --help says more):
 """
 
 
+def _megabytes(text: str) -> int:
+    """Return the bytes for the text of `--recordings-limit`, 1 to a million MB."""
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
+        raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
+    return int(text) * 1_000_000
+
+
+def _flag(text: str, **more: Any) -> dict[str, Any]:
+    return {"action": "store_true", "help": text, **more}
+
+
+def _value(metavar: str, text: str, **more: Any) -> dict[str, Any]:
+    return {"metavar": metavar, "help": text, **more}
+
+
+def _values(metavar: str, text: str, **more: Any) -> dict[str, Any]:
+    return _value(metavar, text, action="append", default=[], **more)
+
+
+# All arguments by their names; those of the console are called as in `session_options.Options`.
+_ARGUMENTS: dict[str, dict[str, Any]] = {
+    "--node": _values(
+        "FILE",
+        "run a Python file (or package.module) as `python FILE` does, with its main(), beside the "
+        "console; its nodes replace the robot's own of the same names; it restarts when it is "
+        "saved; can be given several times. Words behind -- are arguments of the last one",
+        dest="node_files",
+    ),
+    "--only": _flag("host only the nodes of --node, not the robot's own"),
+    "--interfaces": _values(
+        "DIR",
+        "use the files of an interface package, or of a workspace's src/, before the built-in "
+        "ones; a console restarts when one is saved; can be given several times (embedded engine "
+        "only)",
+        type=Path,
+    ),
+    "--use-sim": _flag("also start fake_battery_drain (2 %% a second)"),
+    "--params-file": _values(
+        "FILE",
+        "ROS parameter file for the nodes; can be given several times, the last one wins",
+        dest="params_files",
+        type=Path,
+    ),
+    "--robot": _value(
+        "FILE",
+        "robot file: what the robot offers and what it means (default: ARCHO's, "
+        "config/robots/archo.yaml)",
+        type=Path,
+    ),
+    "--engine": {
+        "default": "",  # A verb goes to any console if none is typed.
+        "help": "what `import rclpy` imports: embedded (default, needs no ROS) or ros2 (the "
+        "installed ROS 2)",
+    },
+    "--attach": _flag("operate the robot on the ROS 2 graph, and host no nodes"),
+    "--namespace": _value("NS", "namespace of the nodes (default: /)", default=""),
+    "--ros-args": _value(
+        "...",
+        "ROS arguments for all nodes: --params-file FILE, -r from:=to, -p [node:]name:=value",
+    ),
+    "--plain": _flag(
+        "operate without a screen: read commands from standard input (help lists them), print one "
+        "event per line; the exit code is 0 only when every goal arrived and every line succeeded"
+    ),
+    "--watch": _flag("show everything but send no command, not even STOP"),
+    "--no-remote": _flag(
+        "open no socket: other programs (archo-tui VERB, connect()) do not reach this console",
+        action="store_false",
+        dest="remote",
+    ),
+    "--record": _value(
+        "PATH",
+        "record all messages as a ROS bag at PATH, until the end; every ten minutes a new bag "
+        "begins, with a number behind its name",
+        type=Path,
+    ),
+    "--recordings-limit": _value(
+        "MB",
+        "disk space for all recordings; beyond it the oldest are deleted (default: 1000)",
+        type=_megabytes,
+        default=1_000_000_000,
+    ),
+    "--quiet-alarms": _flag("ring no bell for new alarms"),
+    "--on-disconnect": {
+        "choices": ("cancel", "leave"),
+        "default": "cancel",
+        "help": "what the console does with a running goal when the terminal is lost or a signal "
+        "ends the console: cancel it (default), or, with --attach, leave it running",
+    },
+    "--version": _flag("print the versions, the engine and TERM, for reports"),
+    # Of subcommands.
+    "folder": _value(
+        "DIR",
+        "the workspace that is written (chapter if it is left out); never over a file",
+        nargs="?",
+        default="chapter",
+    ),
+    "files": _value(
+        "FILE",
+        "Python file (or package.module) with rclpy nodes; each check prints one line (TAP), and a "
+        "hint if it fails",
+        nargs="+",
+    ),
+    "file": _value(
+        "FILE",
+        "launch file (NAME.launch.py, .xml or .yaml), or a workspace that has one",
+        type=Path,
+    ),
+    "arguments": _value(
+        "NAME:=VALUE", "value of an argument that the launch file declares", nargs="*"
+    ),
+    "--show-args": _flag("print the arguments of the file, and run nothing"),
+    "shell": {"choices": ("bash", "zsh", "fish"), "help": "for which shell"},
+    "--json": _flag("print one JSON object per line"),
+    "--delete": _value("NAME", "delete the recordings so named", nargs="+", default=[]),
+    "recording": _value(
+        "RECORDING",
+        "name of a recording, or path of a ROS bag (MCAP); default: the newest recording",
+        nargs="?",
+        default="",
+    ),
+    "--text": _flag("print what happened, line by line"),
+    "--out": _value("FILE", "write the robot file there; else it is printed", type=Path),
+    "--allow": {
+        "choices": ("goals",),
+        "help": "the assistant may also ask for goals; a person at the console allows or denies "
+        "each one. Without this it can only read and send STOP",
+    },
+    "--to": _value(
+        "CONSOLE",
+        "process number or namespace of the console, where several run",
+        default="",
+    ),
+}
+_OPERATION = (
+    *("--plain", "--watch", "--no-remote", "--record", "--recordings-limit", "--quiet-alarms"),
+    "--on-disconnect",
+)
+_GROUPS = {
+    "your own nodes": ("--node", "--only", "--interfaces"),
+    "the robot": ("--use-sim", "--params-file", "--robot"),
+    "ROS 2": ("--engine", "--attach", "--namespace", "--ros-args"),
+    "the console": _OPERATION,
+}
+# The help and the arguments of each subcommand; `cli.__init__` has the function that runs it.
+SUBCOMMANDS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "chapter": ("write the chapter's files to start from", ("folder",)),
+    "check": ("check nodes as the textbook's chapter asks", ("files", "--engine", "--interfaces")),
+    "launch": (
+        "run a ROS 2 launch file, without ROS",
+        ("file", "arguments", "--show-args", "--engine", "--interfaces", "--robot", *_OPERATION),
+    ),
+    "keys": ("print all keys, in the form of keymap.yaml", ("--robot",)),
+    "completions": ("print the completion script of a shell", ("shell",)),
+    "consoles": ("list the consoles that run here", ("--json",)),
+    "mcp": ("connect an assistant to the console (MCP)", ("--allow", "--to")),
+    "recordings": ("list or delete the recordings", ("--json", "--delete")),
+    "look": ("look for nodes in the ROS 2 domains 0 to 20", ()),
+    "robot": ("write a robot file for what is on the graph", ("--out", "--namespace", "--engine")),
+    "replay": (
+        "play a recording back on the screen",
+        ("recording", "--text", "--robot", "--interfaces"),
+    ),
+    "journal": ("print the path of the journal (JSON lines)", ()),
+}
+
+
 def console_parser() -> OneLineErrorParser:
     """Return the parser of the console's options, for words without ROS's own."""
     commands = "".join(f"  {name:<12} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
@@ -39,18 +206,28 @@ def console_parser() -> OneLineErrorParser:
         "While the screen is shown, what libraries print goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
-    parser.set_defaults(program_arguments=())  # `--node FILE -- ARG ...`
+    parser.set_defaults(arguments=())  # `--node FILE -- ARG ...`
     parser.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
         f"{', '.join(VERBS)}; a robot file adds its own. A verb is sent to the console "
         "that is running.",
     )
-    _node_options(parser.add_argument_group("your own nodes"))
-    _robot_options(parser.add_argument_group("the robot"))
-    _ros_options(parser.add_argument_group("ROS 2"))
-    _operation_options(parser.add_argument_group("the console"))
-    _about_options(parser.add_argument_group("about"))
+    for title, names in _GROUPS.items():
+        _add(parser.add_argument_group(title), names)
+    about = parser.add_argument_group("about")
+    about.add_argument("-h", "--help", action="help", help="show this help message and exit")
+    _add(about, ["--version"])
     return parser
+
+
+def add_subcommand_arguments(parser: argparse.ArgumentParser, name: str) -> None:
+    """Add the arguments of a subcommand to its parser."""
+    _add(parser, SUBCOMMANDS[name][1])
+
+
+def _add(parser: argparse._ActionsContainer, names: Sequence[str]) -> None:
+    for name in names:
+        parser.add_argument(name, **_ARGUMENTS[name])
 
 
 def split_line(words: Sequence[str], parser: OneLineErrorParser) -> tuple[list[str], list[str]]:
@@ -72,247 +249,6 @@ def split_line(words: Sequence[str], parser: OneLineErrorParser) -> tuple[list[s
         if name in takes_value and not equals:
             group += islice(remaining, 1)
     return console, of_verb
-
-
-def _node_options(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        "--node",
-        metavar="FILE",
-        action="append",
-        default=[],
-        help="run a Python file (or package.module) as `python FILE` does, with its main(), beside "
-        "the console; its nodes replace the robot's own of the same names; it restarts when it is "
-        "saved; can be given several times. Words behind -- are arguments of the last one",
-    )
-    group.add_argument(
-        "--only",
-        action="store_true",
-        help="host only the nodes of --node, not the robot's own",
-    )
-    _interfaces_option(group, "; when one is saved, everything restarts")
-
-
-def _robot_options(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        "--use-sim",
-        action="store_true",
-        help="also start fake_battery_drain (2 %% a second)",
-    )
-    group.add_argument(
-        "--params-file",
-        metavar="FILE",
-        action="append",
-        default=[],
-        help="ROS parameter file for the nodes; can be given several times, the last one wins",
-    )
-    _robot_option(group)
-
-
-def _ros_options(group: argparse._ArgumentGroup) -> None:
-    _engine_option(group, default="")  # A verb goes to any console if none is typed.
-    group.add_argument(
-        "--attach",
-        action="store_true",
-        help="operate the robot on the ROS 2 graph, and host no nodes",
-    )
-    _namespace_option(group, default="")
-    group.add_argument(
-        "--ros-args",
-        metavar="...",
-        help="ROS arguments for all nodes: --params-file FILE, -r from:=to, -p [node:]name:=value",
-    )
-
-
-def _operation_options(group: argparse._ActionsContainer) -> None:
-    group.add_argument(
-        "--plain",
-        action="store_true",
-        help="operate without a screen: read commands from standard input (help lists them), print "
-        "one event per line; the exit code is 0 only when every goal arrived and every line "
-        "succeeded",
-    )
-    group.add_argument(
-        "--watch", action="store_true", help="show everything but send no command, not even STOP"
-    )
-    group.add_argument(
-        "--no-remote",
-        action="store_true",
-        help="open no socket: other programs (archo-tui VERB, connect()) do not reach this console",
-    )
-    group.add_argument(
-        "--record",
-        metavar="PATH",
-        help="record all messages as a ROS bag at PATH, until the end; every ten minutes a new bag "
-        "begins, with a number behind its name",
-    )
-    group.add_argument(
-        "--recordings-limit",
-        metavar="MB",
-        type=_megabytes,
-        default=1000,
-        help="disk space for all recordings; beyond it the oldest are deleted (default: 1000)",
-    )
-    group.add_argument(
-        "--quiet-alarms",
-        action="store_true",
-        help="ring no bell for new alarms",
-    )
-    group.add_argument(
-        "--on-disconnect",
-        choices=("cancel", "leave"),
-        default="cancel",
-        help="what the console does with a running goal when the terminal is lost or a signal ends "
-        "the console: cancel it (default), or, with --attach, leave it running",
-    )
-
-
-def _about_options(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
-    group.add_argument(
-        "--version",
-        action="store_true",
-        help="print the versions, the engine and TERM, for reports",
-    )
-
-
-def _megabytes(text: str) -> int:
-    """Return the number in the text of `--recordings-limit`, 1 to a million."""
-    if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
-        raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
-    return int(text)
-
-
-def _engine_option(parser: argparse._ActionsContainer, default: str = "embedded") -> None:
-    parser.add_argument(
-        "--engine",
-        default=default,
-        help="what `import rclpy` imports: embedded (default, needs no ROS) or ros2 (the installed "
-        "ROS 2)",
-    )
-
-
-def _namespace_option(parser: argparse._ActionsContainer, default: str = "/") -> None:
-    parser.add_argument(
-        "--namespace", metavar="NS", default=default, help="namespace of the nodes (default: /)"
-    )
-
-
-def _interfaces_option(parser: argparse._ActionsContainer, then: str = "") -> None:
-    parser.add_argument(
-        "--interfaces",
-        metavar="DIR",
-        action="append",
-        default=[],
-        help="use the files of an interface package, or of a workspace's src/, before the built-in "
-        f"ones{then}; can be given several times (embedded engine only)",
-    )
-
-
-def _robot_option(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "--robot",
-        metavar="FILE",
-        help="robot file: what the robot offers and what it means (default: ARCHO's, "
-        "config/robots/archo.yaml)",
-    )
-
-
-def _chapter_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "folder",
-        metavar="DIR",
-        nargs="?",
-        default="chapter",
-        help="the workspace that is written (chapter if it is left out); never over a file",
-    )
-
-
-def _check_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        help="Python file (or package.module) with rclpy nodes; each check prints one line (TAP), "
-        "and a hint if it fails",
-    )
-    _engine_option(parser)
-    _interfaces_option(parser)
-
-
-def _describe_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "--out", metavar="FILE", help="write the robot file there; else it is printed"
-    )
-    _namespace_option(parser)
-    parser.add_argument("--engine", default="ros2", help=argparse.SUPPRESS)
-
-
-def _launch_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "file",
-        metavar="FILE",
-        help="launch file (NAME.launch.py, .xml or .yaml), or a workspace that has one",
-    )
-    parser.add_argument(
-        "arguments",
-        metavar="NAME:=VALUE",
-        nargs="*",
-        help="value of an argument that the launch file declares",
-    )
-    parser.add_argument(
-        "--show-args", action="store_true", help="print the arguments of the file, and run nothing"
-    )
-    _engine_option(parser)
-    _interfaces_option(parser, "; when one is saved, everything restarts")
-    _robot_option(parser)
-    _operation_options(parser)
-
-
-def _completions_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help="for which shell")
-
-
-def _consoles_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
-
-
-def _recordings_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
-    parser.add_argument(
-        "--delete",
-        metavar="NAME",
-        nargs="+",
-        default=[],
-        help="delete the recordings so named",
-    )
-
-
-def _replay_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "recording",
-        metavar="RECORDING",
-        nargs="?",
-        default="",
-        help="name of a recording, or path of a ROS bag (MCAP); default: the newest recording",
-    )
-    parser.add_argument("--text", action="store_true", help="print what happened, line by line")
-    _robot_option(parser)
-    _interfaces_option(parser)
-
-
-def _mcp_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "--allow",
-        choices=("goals",),
-        help="the assistant may also ask for goals; a person at the console allows or denies each "
-        "one. Without this it can only read and send STOP",
-    )
-    parser.add_argument(
-        "--to",
-        metavar="CONSOLE",
-        default="",
-        help="process number or namespace of the console, where several run",
-    )
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -365,20 +301,3 @@ class _Formatter(argparse.HelpFormatter):
         return "\n".join(
             line if not line or line[0] == " " else fill(line, width, indent) for line in lines
         )
-
-
-# The help and the options of each subcommand; `cli.__init__` has the function that runs it.
-SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
-    "chapter": ("write the chapter's files to start from", _chapter_options),
-    "check": ("check nodes as the textbook's chapter asks", _check_options),
-    "launch": ("run a ROS 2 launch file, without ROS", _launch_options),
-    "keys": ("print all keys, in the form of keymap.yaml", _robot_option),
-    "completions": ("print the completion script of a shell", _completions_options),
-    "consoles": ("list the consoles that run here", _consoles_options),
-    "mcp": ("connect an assistant to the console (MCP)", _mcp_options),
-    "recordings": ("list or delete the recordings", _recordings_options),
-    "look": ("look for nodes in the ROS 2 domains 0 to 20", lambda _: None),
-    "robot": ("write a robot file for what is on the graph", _describe_options),
-    "replay": ("play a recording back on the screen", _replay_options),
-    "journal": ("print the path of the journal (JSON lines)", lambda _: None),
-}

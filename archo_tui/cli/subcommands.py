@@ -11,6 +11,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from archo_tui.cli.console import require_terminal
+from archo_tui.cli.options import ENGINES
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain
 from archo_tui.errors import ArchoError
@@ -34,8 +35,8 @@ def check(options: Namespace) -> int:
     try:
         return run(
             options.files,
-            options.engine,
-            [Path(folder) for folder in options.interfaces],
+            options.engine or ENGINES[0],
+            options.interfaces,
             lambda line: print(line, file=out, flush=True),
         )
     except KeyboardInterrupt:
@@ -50,7 +51,7 @@ def print_keys(options: Namespace) -> int:
     from archo_tui.robot_file import load
 
     path = config_file("keymap.yaml")
-    robot = load.load(Path(options.robot) if options.robot else load.default_path())
+    robot = load.load(options.robot or load.default_path())
     commands = registry(robot)
     keys, others = keymap.load_keymap(path, commands)
     print(safe(f"# {path}"))
@@ -100,8 +101,7 @@ def replay(options: Namespace) -> int:
             require_terminal(sys.stdin)
         except ArchoError as error:  # Without a terminal a replay offers --text.
             raise ArchoError(str(error).replace("--plain", "--text")) from None
-    given = [Path(folder) for folder in options.interfaces]
-    own, mistakes = own_interfaces.find(given, "embedded")
+    own, mistakes = own_interfaces.find(options.interfaces, "embedded")
     for line in mistakes:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
@@ -109,7 +109,7 @@ def replay(options: Namespace) -> int:
     from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
 
     bag = open_bag(options.recording)
-    robot = load_robot_file(bag, options.robot)
+    robot = load_robot_file(bag, str(options.robot or ""))
     if options.text:
         from archo_tui.recordings.replay.player import report_lines
 
@@ -197,14 +197,11 @@ def _sources() -> dict[Path, Path]:
     in_clone = (_PACKAGE.parent / "interfaces" / "package.xml").is_file()
     root = _PACKAGE.parent if in_clone else _PACKAGE
     interfaces = root / ("interfaces" if in_clone else "embedded/share/archo_interfaces")
-    chapter = root / "config" / "chapter"
-    found = {path.relative_to(chapter): path for path in sorted(chapter.rglob("*"))}
-    for name in _INTERFACES:
-        path = interfaces / name
-        for file in [path] if path.is_file() else sorted(path.iterdir()):
-            found["src/archo_interfaces" / file.relative_to(interfaces)] = file
+    sources = {Path(): root / "config" / "chapter"}
+    sources |= {Path("src/archo_interfaces", name): interfaces / name for name in _INTERFACES}
     return {
-        name: path
-        for name, path in found.items()
-        if path.is_file() and "__pycache__" not in name.parts
+        place / path.relative_to(source): path
+        for place, source in sources.items()
+        for path in sorted([source, *source.rglob("*")])
+        if path.is_file() and "__pycache__" not in path.parts
     }

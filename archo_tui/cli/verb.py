@@ -34,9 +34,10 @@ def wrong_option(verb: str, options: Namespace, parser: ArgumentParser) -> str:
     if options.engine and options.engine not in ENGINES:
         return f"--engine {options.engine}: there are {' and '.join(ENGINES)}"
     allowed = ["namespace", "engine", *(["robot"] if options.engine == "ros2" else [])]
-    for name, value in vars(options).items():
-        if name not in allowed and value != parser.get_default(name):
-            return f"--{name.replace('_', '-')} is for the console, not for {verb}"
+    for action in parser._actions:
+        name = action.dest
+        if name not in allowed and getattr(options, name, action.default) != action.default:
+            return f"{action.option_strings[0]} is for the console, not for {verb}"
     return ""
 
 
@@ -74,7 +75,7 @@ def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> i
     from archo_tui.session import Session
     from archo_tui.session_options import Options
 
-    robot = Path(given.robot) if given.robot else None
+    robot = Path(given.robot) if given.robot else None  # Behind wrong options it is a text.
     there = Options(engine="ros2", namespace=given.namespace or "/", attach=True, robot=robot)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
     return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, lambda: helps(robot))

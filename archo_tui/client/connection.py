@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
 import sys
 import time
 
 from archo_tui.client import sockets
-from archo_tui.client.protocol import GONE, PROTOCOL, decode, encode
+from archo_tui.client.errors import Unreached
+from archo_tui.client.protocol import GONE, LONGEST_WAIT, PROTOCOL, decode, encode
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -16,10 +18,13 @@ if TYPE_CHECKING:
     from typing import Any
 
 UNANSWERED = "the console does not answer; the robot may still be moving"
-
-
-class Unreached(Exception):
-    """The error for a request that no console answered: none runs, several do, or none answers."""
+UNCONFIRMED = "not confirmed: the robot may be moving"
+HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
+# Seconds without a message after which the console is asked whether it still answers.
+_SILENCE = 10.0
+_SEND_TIMEOUT = 15.0  # Seconds that a suspended console, which reads nothing, may hold a message.
+# Seconds behind a `timeout` for the result: a console calls off for 3 s, and reports it then.
+_CALL_OFF_TIMEOUT = 5.0
 
 
 class Silent(Unreached):
@@ -93,18 +98,46 @@ class Connection:
         return "" if self.card else f"{self.short_description} does not say which robot it operates"
 
     def request(self, timeout: float | None = None, /, **fields: Any) -> Iterator[dict[str, Any]]:
-        """Send a request, and yield all replies to it, the result last.
+        """Send a request, which may take `timeout` s, and yield all replies to it, the result last.
 
-        Nothing is sent before the iterator is first advanced. Raises Silent if the result does not
-        come within `timeout` s, else Unreached.
+        After each 10 s without a reply, another connection tests whether the console still answers.
         """
         self._number += 1
+        self.send({"id": self._number, "timeout": timeout, **fields})
+        end = None if timeout is None else time.monotonic() + timeout + _CALL_OFF_TIMEOUT
+        return self._replies_to(self._number, end)
+
+    def result(self, timeout: float | None = None, /, **fields: Any) -> dict[str, Any]:
+        """Send a request, and return its result; other replies are dropped."""
+        *_, result = self.request(timeout, **fields)
+        return result
+
+    def answer(self, timeout: float, /, **fields: Any) -> dict[str, Any]:
+        """Send a request, and return its result; Silent if it does not come within `timeout` s."""
+        self._number += 1
         self.send({"id": self._number, **fields})
-        for reply in self.replies(timeout):
-            if reply.get("id") in (self._number, None) and "protocol" not in reply:
+        return next(
+            reply
+            for reply in self.replies(timeout)
+            if reply.get("id") == self._number and isinstance(reply.get("code"), str)
+        )
+
+    def _replies_to(self, number: int, end: float | None) -> Iterator[dict[str, Any]]:
+        reply: dict[str, Any] = {}
+        while "code" not in reply:
+            left = LONGEST_WAIT if end is None else end - time.monotonic()
+            try:
+                reply = next(self.replies(min(max(left, 0.0), _SILENCE)))
+            except Silent:
+                if left <= _SILENCE:
+                    raise
+                if self.path:
+                    reach(self.path, _SILENCE).close()
+                continue
+            if reply.get("id") in (number, None) and "protocol" not in reply:
                 yield reply
-                if "code" in reply:
-                    return
+            else:
+                reply = {}
 
     def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.
@@ -139,10 +172,58 @@ class Connection:
     def send(self, message: dict[str, Any]) -> None:
         """Send a message of docs/protocol.md; raise Unreached if the console has gone."""
         try:
-            self.socket.settimeout(None)
+            self.socket.settimeout(_SEND_TIMEOUT)
             self.socket.sendall(encode(message))
         except OSError:
             raise Unreached(GONE) from None
 
+    @property
+    def has_ended(self) -> bool:
+        """True if the console has closed the connection, and nothing of it is left to read."""
+        try:
+            self.socket.setblocking(False)
+            return not self.socket.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+
+    def give_up(self) -> None:
+        """Call the request off, without waiting; a broken connection is no error."""
+        with contextlib.suppress(Unreached):
+            self.send({"give_up": True})
+
+    def shut_down(self) -> None:
+        """End the connection from another thread: `replies` raises Unreached."""
+        with contextlib.suppress(OSError):  # It is closed already.
+            self.socket.shutdown(socket.SHUT_RDWR)
+
     def close(self) -> None:
+        """Close the connection: the console calls off what is still underway."""
         self.socket.close()
+
+    def __enter__(self) -> Connection:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, at: object) -> None:
+        if error is not None:
+            self.give_up()
+        self.close()
+
+    def __del__(self) -> None:
+        with contextlib.suppress(AttributeError):  # It was never made.
+            self.close()  # An iterator over events was never begun.
+
+
+def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:
+    """Return a connection to a socket's console after its hello; raise Unreached."""
+    console = Connection(path)
+    try:
+        is_connected = console.connect()
+    except OSError:
+        raise Unreached(GONE) from None
+    fault = console.fault(hello_timeout) if is_connected else UNCONFIRMED
+    if fault:
+        console.close()
+        raise Unreached(fault)
+    return console

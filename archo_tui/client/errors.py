@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator, Mapping
-from typing import Any
-
-from archo_tui.client import connection
 from archo_tui.client.protocol import GOOD, timeout_of
 from archo_tui.errors import ArchoError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
 
 
 class NotDone(ArchoError):
@@ -18,9 +18,11 @@ class NotDone(ArchoError):
         code: The outcome, a word of docs/protocol.md such as `refused`, `misuse` or `aborted`.
     """
 
-    def __init__(self, code: str, text: str) -> None:
+    code = "refused"
+
+    def __init__(self, text: str, code: str = "") -> None:
         super().__init__(text)
-        self.code = code
+        self.code = code or self.code
 
 
 class Refused(NotDone):
@@ -33,21 +35,31 @@ class Unconfirmed(NotDone):
     The robot may have done it, or may still do it, and may be moving.
     """
 
+    code = "not_confirmed"
+
 
 class Misused(NotDone):
     """The error for a call that means nothing here, or after `Robot.close`; nothing was sent."""
+
+    code = "misuse"
 
 
 class Aborted(NotDone):
     """The error for a goal that ended without the robot arriving."""
 
+    code = "aborted"
+
 
 class Cancelled(NotDone):
     """The error for a goal that was cancelled by anybody, or is held in the queue."""
 
+    code = "cancelled"
+
 
 class RanOut(NotDone):
     """The error for a call that did not finish within its `timeout`."""
+
+    code = "ran_out"
 
 
 class Unreached(NotDone):
@@ -57,17 +69,16 @@ class Unreached(NotDone):
     The robot may still be moving.
     """
 
+    code = "unreached"
+
 
 ERRORS: dict[str, type[NotDone]] = {
-    "misuse": Misused,
-    "aborted": Aborted,
-    "cancelled": Cancelled,
+    **{
+        error.code: error for error in (Misused, Aborted, Cancelled, RanOut, Unconfirmed, Unreached)
+    },
     "held": Cancelled,
-    "ran_out": RanOut,
     "timeout": Unconfirmed,
-    "not_confirmed": Unconfirmed,
     "lost": Unreached,
-    "unreached": Unreached,
 }
 
 
@@ -75,17 +86,8 @@ def data_or_raise(result: Mapping[str, Any]) -> Any:
     """Return the `data` of a successful result, None without one; raise any other's error."""
     code = result["code"]
     if code not in GOOD:
-        raise ERRORS.get(code, Refused)(code, result["text"])
+        raise ERRORS.get(code, Refused)(result["text"], code)
     return result.get("data")
-
-
-@contextlib.contextmanager
-def convert_unreached() -> Iterator[None]:
-    """Convert `connection.Unreached`, raised inside this context, to `Unreached`."""
-    try:
-        yield
-    except connection.Unreached as error:
-        raise Unreached("unreached", str(error)) from None
 
 
 def checked_timeout(timeout: float | None) -> float | None:
@@ -93,4 +95,4 @@ def checked_timeout(timeout: float | None) -> float | None:
     try:
         return timeout_of({"timeout": timeout})
     except ValueError as error:
-        raise Misused("misuse", str(error)) from None
+        raise Misused(str(error)) from None

@@ -13,8 +13,9 @@ import socket
 import time
 
 from archo_tui.client import sockets
-from archo_tui.client.connection import Connection, Silent, Unreached
-from archo_tui.client.protocol import GONE, LOST
+from archo_tui.client.connection import HELLO_TIMEOUT, UNCONFIRMED, Connection, Silent
+from archo_tui.client.errors import Unreached
+from archo_tui.client.protocol import LOST
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -23,11 +24,9 @@ if TYPE_CHECKING:
 
 CHOSEN = "ARCHO_TUI_CONSOLE"  # The variable that stands for `--to`.
 NO_CONSOLE = "no console runs here: start archo-tui, or archo-tui --plain"
-HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
 WAKE_TIMEOUT = 5.0  # Seconds that a STOP waits for the hello of a console.
 STOP_TIMEOUT = 15.0  # Seconds: longer than any STOP takes in a console that runs.
 _RETRY_PERIOD = 0.01  # Seconds between two tries to connect.
-UNCONFIRMED = "not confirmed: the robot may be moving"
 
 
 class NoConsole(Unreached):
@@ -100,21 +99,6 @@ def choose(selection: Mapping[str, Any], hello_timeout: float | None = None) -> 
     if not found:
         raise NoConsole(no_console_error(selection, faults))
     raise Unreached(_several_error(selection, found))
-
-
-def reach(path: str, hello_timeout: float | None = None) -> Connection:
-    """Return a connection to a socket's console after its hello; raise Unreached."""
-    console = Connection(path)
-    try:
-        is_connected = console.connect()
-    except OSError:
-        raise Unreached(GONE) from None
-    timeout = HELLO_TIMEOUT if hello_timeout is None else hello_timeout
-    fault = console.fault(timeout) if is_connected else UNCONFIRMED
-    if fault:
-        console.close()
-        raise Unreached(fault)
-    return console
 
 
 def stop(

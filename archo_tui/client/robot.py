@@ -6,17 +6,17 @@ Each call has a connection of its own; when it closes, the console calls off wha
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
-import socket
 import threading
 import time
 import weakref
 from collections.abc import Iterator, Mapping
-from types import TracebackType
 from typing import Any
 
-from archo_tui.client import connection, find
+from archo_tui.client import find
+from archo_tui.client.connection import Connection, reach
 from archo_tui.client.errors import (
     ERRORS,
     Misused,
@@ -25,95 +25,13 @@ from archo_tui.client.errors import (
     Unconfirmed,
     Unreached,
     checked_timeout,
-    convert_unreached,
     data_or_raise,
 )
-from archo_tui.client.protocol import GONE, LONGEST_WAIT, is_stop
+from archo_tui.client.protocol import GONE, is_stop
 from archo_tui.client.state import Alarm, Battery, Goal, Motion, Queue, Status, from_reply
 
-# Seconds without a message after which the console is asked whether it still answers.
-_SILENCE = 10.0
-# Seconds behind `timeout` for the result: a console calls off for 3 s, and reports it then.
-_CALL_OFF_TIMEOUT = 5.0
 CANCEL_TIMEOUT = 5.0  # s in which the end of a goal that is called off is confirmed
 PARENTS_GOAL = "the goal is of the process that forked this one; the robot may still be moving"
-
-
-class Request:
-    """A connection for one request; an exception inside its context calls the request off."""
-
-    def __init__(self, path: str, timeout: float | None, fields: Mapping[str, Any]) -> None:
-        self._path, self._timeout, self._fields = path, timeout, fields
-        self._end: float | None = None  # Monotonic time in seconds.
-        with convert_unreached():
-            self._console = find.reach(path)
-
-    def __enter__(self) -> Request:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, at: object) -> None:
-        if error is not None:
-            self.give_up()
-        self.close()
-
-    def __del__(self) -> None:
-        if hasattr(self, "_console"):  # An iterator over events was never begun.
-            self.close()
-
-    def send(self) -> None:
-        """Send the request; its timeout begins now."""
-        if self._timeout is not None:
-            self._end = time.monotonic() + self._timeout + _CALL_OFF_TIMEOUT
-        with convert_unreached():
-            self._send_message({"id": 1, "timeout": self._timeout, **self._fields})
-
-    def replies(self) -> Iterator[dict[str, Any]]:
-        """Yield all replies of the console, the result last.
-
-        After each 10 s without a reply, another connection tests whether the console still answers.
-        """
-        reply: dict[str, Any] = {}
-        while "code" not in reply:
-            left = LONGEST_WAIT if self._end is None else self._end - time.monotonic()
-            try:
-                reply = next(self._console.replies(min(max(left, 0.0), _SILENCE)))
-            except connection.Silent as error:
-                if left <= _SILENCE:
-                    raise Unreached("unreached", str(error)) from None
-                self._check_that_it_answers()
-                continue
-            except connection.Unreached as error:
-                raise Unreached("unreached", str(error)) from None
-            yield reply
-
-    def result(self) -> dict[str, Any]:
-        """Wait for the result and return it; other replies are dropped."""
-        reply: dict[str, Any] = {}
-        for reply in self.replies():  # noqa: B007  # the last one is wanted
-            pass
-        return reply
-
-    def give_up(self) -> None:
-        """Tell the console to call the request off; do not wait, and ignore a broken connection."""
-        with contextlib.suppress(connection.Unreached):
-            self._send_message({"give_up": True})
-
-    def close(self) -> None:
-        """Close the connection: the console calls off what is still underway."""
-        self._console.close()
-
-    def shut_down(self) -> None:
-        """End the connection from another thread: `replies`, which closes it, raises Unreached."""
-        with contextlib.suppress(OSError):  # It is closed already.
-            self._console.socket.shutdown(socket.SHUT_RDWR)
-
-    def _send_message(self, message: dict[str, Any]) -> None:
-        if self._console.socket.fileno() >= 0:  # Not closed.
-            self._console.send(message)
-
-    def _check_that_it_answers(self) -> None:
-        with convert_unreached():
-            find.reach(self._path, _SILENCE).close()
 
 
 class GoalHandle:
@@ -123,10 +41,9 @@ class GoalHandle:
     method may be called from any thread.
     """
 
-    def __init__(self, request: Request) -> None:
-        self._request = request
-        self._is_answered, self._has_ended = threading.Event(), threading.Event()
-        self._is_accepted = False
+    def __init__(self, console: Connection, replies: Iterator[dict[str, Any]]) -> None:
+        self._console, self._replies = console, replies
+        self._has_ended = threading.Event()
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
         self._state: Goal | None = None
         threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
@@ -154,10 +71,10 @@ class GoalHandle:
         try:
             has_ended = self._has_ended.wait(seconds)
         except BaseException:
-            self._request.give_up()
+            self._console.give_up()
             raise
         if not has_ended:
-            raise RanOut("ran_out", f"not within {timeout:g} s: the goal still runs")
+            raise RanOut(f"not within {timeout:g} s: the goal still runs")
         return from_reply(Goal, data_or_raise(self._result))
 
     def cancel(self, timeout: float = CANCEL_TIMEOUT) -> None:
@@ -173,9 +90,9 @@ class GoalHandle:
             Unreached: The console has gone or no longer answers: the robot may still be moving.
             Misused: `timeout` is not a valid time; the goal is cancelled all the same.
         """
-        self._request.give_up()
+        self._console.give_up()
         if not self._has_ended.wait(checked_timeout(timeout)):
-            raise RanOut("ran_out", "the cancel is not confirmed: the robot may still be moving")
+            raise RanOut("the cancel is not confirmed: the robot may still be moving")
         # It ended for this program only, or nobody knows whether it did.
         if ERRORS.get(self._result["code"]) in (Unreached, Unconfirmed):
             data_or_raise(self._result)
@@ -194,35 +111,24 @@ class GoalHandle:
     def _leave_to_parent(self) -> None:
         """End the handle in a forked child, which has no thread that reads replies."""
         self._result = {"code": "lost", "text": PARENTS_GOAL}
-        # New events: a thread of the parent, which the child lacks, may hold the old ones' locks.
-        self._is_answered, self._has_ended = threading.Event(), threading.Event()
-        self._is_answered.set()
+        # A new event: a thread of the parent, which the child lacks, may hold the old one's lock.
+        self._has_ended = threading.Event()
         self._has_ended.set()
-
-    def _wait_until_accepted(self) -> None:
-        """Wait until the robot has accepted the goal, or the console has queued it."""
-        self._is_answered.wait()
-        if not self._is_accepted:
-            data_or_raise(self._result)
 
     def _read_replies(self) -> None:
         try:
-            for reply in self._request.replies():
+            for reply in self._replies:
                 if "goal" in reply:
                     self._state = from_reply(Goal, reply["goal"])
                 elif "code" in reply:
                     self._result = reply
                     if reply.get("data"):
                         self._state = from_reply(Goal, reply["data"])
-                elif "said" in reply:
-                    self._is_accepted = True
-                    self._is_answered.set()
         except NotDone as error:
             self._result = {"code": error.code, "text": str(error)}
         finally:
             self._has_ended.set()
-            self._is_answered.set()
-            self._request.close()
+            self._console.close()
 
 
 class Robot:
@@ -241,10 +147,10 @@ class Robot:
 
     def __init__(self, to: str = "") -> None:
         """Find the console, without keeping a connection. See `archo_tui.connect`."""
-        with convert_unreached(), contextlib.closing(find.choose({"to": to})) as console:
+        with find.choose({"to": to}) as console:
             self._path, self._card = console.path, console.card
         self._lock = threading.Lock()
-        self._requests: weakref.WeakSet[Request] = weakref.WeakSet()
+        self._connections: weakref.WeakSet[Connection] = weakref.WeakSet()
         self._handles: list[GoalHandle] = []
         self._is_closed = False
         _robots.add(self)
@@ -252,12 +158,7 @@ class Robot:
     def __enter__(self) -> Robot:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -270,25 +171,25 @@ class Robot:
         with self._lock:
             self._is_closed = True
             running = [handle for handle in self._handles if not handle.done()]
-            requests = [*self._requests]
+            connections = [*self._connections]
         for handle in running:
-            handle._request.give_up()
+            handle._console.give_up()
         end = time.monotonic() + CANCEL_TIMEOUT
         for handle in running:
             handle._has_ended.wait(max(end - time.monotonic(), 0.0))
-        for request in requests:
-            request.shut_down()
+        for connection in connections:
+            connection.shut_down()
 
     def _leave_to_parent(self) -> None:
         """Close a forked child's copies of the parent's connections, and end its goal handles.
 
         Else the console would not notice the end of the parent, and let its goals run on.
         """
-        for request in self._requests:
-            request.close()
+        for connection in self._connections:
+            connection.close()
         for handle in self._handles:
             handle._leave_to_parent()
-        self._lock, self._requests, self._handles = threading.Lock(), weakref.WeakSet(), []
+        self._lock, self._connections, self._handles = threading.Lock(), weakref.WeakSet(), []
 
     def status(self, timeout: float | None = None) -> Status:
         """Return the state of the robot, with its goal, queue and alarms, at this moment.
@@ -336,17 +237,19 @@ class Robot:
         """
         words = [kind, *map(_text, numbers), *(f"{name}={_text(v)}" for name, v in values.items())]
         if is_stop({"words": words}):
-            raise Misused("misuse", f"go sends goals, and {kind!r} is none: use robot.stop()")
-        request = self._request(checked_timeout(timeout), words=words, wait=True, feedback=True)
+            raise Misused(f"go sends goals, and {kind!r} is none: use robot.stop()")
+        seconds, console = checked_timeout(timeout), self._connect()
         try:
-            request.send()
-            handle = GoalHandle(request)
+            replies = console.request(seconds, words=words, wait=True, feedback=True)
+            answer = next(replies)  # `said` once it is accepted or queued, else the result.
+            if "code" in answer:
+                data_or_raise(answer)
+            handle = GoalHandle(console, itertools.chain([answer], replies))
             with self._lock:
                 self._handles = [handle for handle in self._handles if not handle.done()] + [handle]
-            handle._wait_until_accepted()
         except BaseException:
-            request.give_up()
-            request.shut_down()
+            console.give_up()
+            console.shut_down()
             raise
         return handle
 
@@ -381,11 +284,10 @@ class Robot:
         """
         card = self._card
         robot = {name: card.get(name) for name in ("engine", "domain")}
-        with convert_unreached():
-            try:
-                _stop({"to": card["name"]})
-            except find.NoConsole:
-                _stop({"to": card["namespace"], **robot})
+        try:
+            _stop({"to": card["name"]})
+        except find.NoConsole:
+            _stop({"to": card["namespace"], **robot})
 
     def set(self, *node_name_value: Any, timeout: float | None = None) -> None:
         """Set a parameter of a node, and return once the node has accepted the value.
@@ -446,11 +348,9 @@ class Robot:
             timeout: Seconds after which the iterator ends; None: it goes on while the console
                 answers.
         """
-        request = self._request(checked_timeout(timeout), words=["events"], follow=True)
-        request.send()
-        replies = request.replies()
-        first = next(replies)  # The state: from here on all events come.
-        return _events(request, first, replies)
+        replies = self._follow(timeout, "events")
+        next(replies, None)  # The state: from here on all events come.
+        return (reply["event"] for reply in replies if "event" in reply)
 
     def messages(
         self, topic: str, *fields: str, timeout: float | None = None
@@ -471,10 +371,8 @@ class Robot:
             Misused: There is no such topic or field, or a message is too large: raised by the
                 iterator.
         """
-        words = ["echo", topic, *fields]
-        request = self._request(checked_timeout(timeout), words=words, follow=True)
-        request.send()
-        return _messages(request)
+        replies = self._follow(timeout, "echo", topic, *fields)
+        return (reply["message"] for reply in replies if "message" in reply)
 
     def do(self, *words: str, wait: bool = False, timeout: float | None = None) -> Any:
         """Carry out any verb of the shell: `robot.do("log_level", "dashboard", "debug")`.
@@ -496,21 +394,24 @@ class Robot:
         """
         if is_stop({"words": [*words]}):
             return self.stop()
-        fields = {"words": [*map(_text, words)], "wait": wait}
-        with self._request(checked_timeout(timeout), **fields) as request:
-            request.send()
-            return data_or_raise(request.result())
+        typed, seconds = [*map(_text, words)], checked_timeout(timeout)
+        with self._connect() as console:
+            return data_or_raise(console.result(seconds, words=typed, wait=wait))
 
-    def _request(self, timeout: float | None, **fields: Any) -> Request:
-        request = Request(self._path, timeout, fields)
+    def _connect(self) -> Connection:
+        console = reach(self._path)
         with self._lock:
-            self._requests.add(request)
+            self._connections.add(console)
             is_closed = self._is_closed
         if is_closed:
-            request.give_up()
-            request.close()
-            raise Misused("misuse", "this robot was closed: connect() again")
-        return request
+            console.close()
+            raise Misused("this robot was closed: connect() again")
+        return console
+
+    def _follow(self, timeout: float | None, *words: str) -> Iterator[dict[str, Any]]:
+        """Yield replies until the time is over, from now on also if nothing is read of them yet."""
+        seconds, console = checked_timeout(timeout), self._connect()
+        return _until_over(console, console.request(seconds, words=[*words], follow=True))
 
 
 _robots: weakref.WeakSet[Robot] = weakref.WeakSet()
@@ -527,8 +428,7 @@ if hasattr(os, "register_at_fork"):
 
 def stop(to: str = "") -> None:
     """Send STOP to every console that could be meant. See `archo_tui.stop`."""
-    with convert_unreached():
-        _stop({"to": to})
+    _stop({"to": to})
 
 
 def _stop(selection: Mapping[str, Any]) -> None:
@@ -537,28 +437,14 @@ def _stop(selection: Mapping[str, Any]) -> None:
         data_or_raise({"code": ended.code, "text": ended.text})
 
 
-def _events(
-    request: Request, first: dict[str, Any], replies: Iterator[dict[str, Any]]
-) -> Iterator[dict[str, Any]]:
-    """Yield the events of a request, and close it at the end or when its timeout is over."""
-    reply = first
-    with contextlib.closing(request):
-        while "code" not in reply:
-            if "event" in reply:
-                yield reply["event"]
-            reply = next(replies)
-        if reply["code"] != "ran_out":
-            data_or_raise(reply)
-
-
-def _messages(request: Request) -> Iterator[dict[str, Any]]:
-    """Yield the messages of a topic, and close the request at the end or after its timeout."""
-    with contextlib.closing(request):
-        for reply in request.replies():
-            if "message" in reply:
-                yield reply["message"]
-        if reply["code"] != "ran_out":
-            data_or_raise(reply)
+def _until_over(console: Connection, replies: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield replies until the time is over; raise any other result's error."""
+    with contextlib.closing(console):
+        for reply in replies:
+            if "code" not in reply:
+                yield reply
+            elif reply["code"] != "ran_out":
+                data_or_raise(reply)
 
 
 def _ignore(_text: str) -> None:
@@ -570,4 +456,4 @@ def _text(value: Any) -> str:
     try:
         return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError) as error:
-        raise Misused("misuse", f"{value!r:.40}: {error}") from None
+        raise Misused(f"{value!r:.40}: {error}") from None

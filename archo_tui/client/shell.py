@@ -10,18 +10,18 @@ import signal
 import sys
 
 from archo_tui.client import find
-from archo_tui.client.connection import Unreached
+from archo_tui.client.connection import HELLO_TIMEOUT
+from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import (
     EXITS,
     FAILED,
-    GONE,
     INTERRUPTED,
     NOT_REACHED,
     UNREACHED,
     WATCHING,
     YES_WORDS,
     is_stop,
-    is_valid_timeout,
+    timeout_of,
 )
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
@@ -40,10 +40,10 @@ if TYPE_CHECKING:
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
-_ANSWER_TIMEOUT = 2.0  # Further seconds in which a console that runs reports that.
+_SIGNALS = signal.SIGINT, signal.SIGTERM
 
 
-class _CommandLine:
+class CommandLine:
     """The words of a verb, with the options of this program taken out."""
 
     def __init__(self, words: Sequence[str]) -> None:
@@ -52,50 +52,45 @@ class _CommandLine:
         self.flags: set[str] = set()  # Options without a value.
         self.values: dict[str, str] = {}  # Options with a value, by name.
         self.rest: list[str] = []  # The verb and its arguments, for the console.
+        self.timeout: float | None = None
         remaining = iter(words)
         for word in remaining:
-            if has_lone_surrogate(word):
-                if self.is_stop:
-                    continue
-                raise ValueError(f"not UTF-8: {word!r}")
             name, equals, value = word.partition("=")
-            if word in VERB_FLAGS:
+            if has_lone_surrogate(word):
+                if not self.is_stop:
+                    raise ValueError(f"not UTF-8: {word!r}")
+            elif word in VERB_FLAGS:
                 self.flags.add(word)
             elif name in VERB_VALUES:
                 self.values[name] = value if equals else next(remaining, "")
-                if not (self.values[name] or self.is_stop):
-                    raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
         if not self.is_stop:
-            self._check()
+            self._check_options()
 
-    def _check(self) -> None:
+    def _check_options(self) -> None:
         verb = self.rest[0] if self.rest else ""
+        for name, value in self.values.items():
+            if not value:
+                raise ValueError(f"{name} needs a value")
+        if text := self.values.get("--timeout"):
+            try:
+                self.timeout = timeout_of({"timeout": float(text)})
+            except ValueError:
+                raise ValueError(f"--timeout: not a time in s: {text}") from None
         for flag, verbs in _VERBS_WITH_OPTION.items():
             if flag in self.flags and verb not in verbs:
                 has = "has" if len(verbs) == 1 else "have"
                 raise ValueError(f"{verb} has no {flag}: {' and '.join(verbs)} {has} it")
 
     @property
-    def is_endless(self) -> bool:
-        """True for `--follow`, and `echo` without `--once`: the verb replies until interrupted."""
-        if self.is_stop or "--help" in self.rest:
-            return False
+    def request(self) -> dict[str, Any]:
+        """The fields of the request; `echo` without `--once` follows its topic."""
+        request: dict[str, Any] = {"words": ["stop"] if self.is_stop else self.rest}
         echoes = self.rest[:1] == ["echo"] and "--once" not in self.flags
-        return echoes or "--follow" in self.flags
-
-    @property
-    def timeout(self) -> float | None:
-        """The seconds of `--timeout`; None without it and for a STOP. Raises ValueError."""
-        text = None if self.is_stop else self.values.get("--timeout")
-        try:
-            seconds = None if text is None else float(text)
-        except ValueError:
-            seconds = -1.0
-        if seconds is not None and not is_valid_timeout(seconds):
-            raise ValueError(f"--timeout: not a time in s: {text}")
-        return seconds
+        if (echoes or "--follow" in self.flags) and not (self.is_stop or "--help" in self.rest):
+            return {**request, "follow": True, "as_text": "--json" not in self.flags}
+        return {**request, "person": _has_person(), "wait": "--wait" in self.flags}
 
 
 class _Interrupted(Exception):
@@ -118,16 +113,16 @@ def run(
     if [*words] == ["stop", "--help"]:  # Whatever else follows it, it stops.
         _print(helps().get("stop", ""))
         return 0
-    wants_help = "--help" in words[1:]
     try:
-        command_line = _CommandLine(words)
-        timeout = command_line.timeout
-        to = command_line.values.get("--to") or (meant or {}).get("to")
+        line = CommandLine(words)
+        to = line.values.get("--to") or (meant or {}).get("to")
         selection = {**(meant or {}), **({"to": to} if to else {})}
-        if command_line.is_stop:
-            return _stop(selection, command_line, attach)
         # If a console is named, no other one and no other robot is meant.
-        if wants_help or "--to" in command_line.values or os.environ.get(find.CHOSEN):
+        if "--to" in line.values:
+            attach = None
+        if line.is_stop:
+            return _stop(selection, line, attach)
+        if "--help" in words[1:] or os.environ.get(find.CHOSEN):
             attach = None
         try:
             console = find.choose(selection)
@@ -135,15 +130,15 @@ def run(
             if attach is None:
                 raise
             with attach() as robot:
-                return _send(robot, command_line, timeout, others)
-        with contextlib.closing(console):
-            return _send(console, command_line, timeout, others, attach)
-    except (ValueError, ArchoError) as error:
-        return _fail("misuse", str(error), words)
+                return _send(robot, line, others)
+        with console:
+            return _send(console, line, others, attach)
     except Unreached as error:
-        if command_line.is_stop:
+        if line.is_stop:
             return _fail(NOT_REACHED, str(error), words)
         return _print_without_console(words, others, str(error), helps)
+    except (ValueError, ArchoError) as error:
+        return _fail("misuse", str(error), words)
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
@@ -181,16 +176,6 @@ def _nearest(word: str, others: Iterable[str]) -> str:
     return nearest(word.lower(), others)
 
 
-def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
-    """Add the nearest of all commands to a console's error, which knows verbs only."""
-    reason, found, verb = text.removesuffix(")").partition(" (nearest: ")
-    reason = reason.removesuffix(" (help lists them")
-    if reason != f"no command {word!r}":
-        return text
-    near = _nearest(word, (*others, verb) if found else others)
-    return f"{reason} (nearest: {near})" if near else f"{reason} (archo-tui --help lists them)"
-
-
 def print_consoles(*, as_json: bool) -> int:
     """Print the consoles that run here; return UNREACHED if there is none or one has a fault."""
     faults: list[str] = []
@@ -201,7 +186,7 @@ def print_consoles(*, as_json: bool) -> int:
         return UNREACHED
     is_bad = not found
     for console in found:
-        fault = console.fault(find.HELLO_TIMEOUT)
+        fault = console.fault(HELLO_TIMEOUT)
         is_bad = is_bad or bool(fault)
         if as_json:
             _print(json.dumps({**console.card, "answers": not fault}))
@@ -215,45 +200,42 @@ def print_consoles(*, as_json: bool) -> int:
 
 def _stop(
     selection: Mapping[str, Any],
-    command_line: _CommandLine,
+    line: CommandLine,
     attach: Callable[[], AbstractContextManager[Connection]] | None,
 ) -> int:
     """Send STOP to every console that could be meant or to the robot, and return the worst code."""
-    typed = [word for word in command_line.rest if is_stop({"words": word})]
-    ignored = [word for word in command_line.rest if word not in typed[:1]]
+    typed = [word for word in line.rest if is_stop({"words": word})]
+    ignored = [word for word in line.rest if word not in typed[:1]]
     if ignored:
         complain(f"{(typed or ['stop'])[0]}: ignored: {' '.join(ignored)}")
-    codes, unreached = [], ""
     try:
         ended = find.stop(selection, complain)
     except Unreached as error:
-        ended, unreached = [], str(error)
-    # A robot that is attached to acts where a console only watches.
-    if attach is not None and "--to" not in command_line.values:
+        if attach is None:
+            raise Unreached(f"STOP was not sent: {error}") from None
+        ended = []
+    if attach is not None:  # A robot that is attached to acts where a console only watches.
         ended = [stopped for stopped in ended if stopped.code != WATCHING]
+    codes = []
     for stopped in ended:
         is_only = len(ended) == 1 and stopped.code == "done"
         text = stopped.text if is_only else f"{stopped.console}: {stopped.text}"
-        codes.append(_print_result({"code": stopped.code, "text": text}, command_line))
-    is_confirmed = any(stopped.code == "done" for stopped in ended)
-    if attach is not None and not is_confirmed and "--to" not in command_line.values:
+        codes.append(_print_result({"code": stopped.code, "text": text}, line))
+    if attach is not None and all(stopped.code != "done" for stopped in ended):
         try:
             with attach() as robot:
-                codes.append(_send(robot, command_line, None, ()))
-        except (Unreached, ArchoError) as error:
+                codes.append(_send(robot, line))
+        except ArchoError as error:
             if not ended:
                 raise
             complain(str(error))
-    elif unreached:
-        raise Unreached(f"STOP was not sent: {unreached}")
     return max(codes)
 
 
 def _send(
     console: Connection,
-    command_line: _CommandLine,
-    timeout: float | None,
-    others: Iterable[str],
+    line: CommandLine,
+    others: Iterable[str] = (),
     attach: Callable[[], AbstractContextManager[Connection]] | None = None,
 ) -> int:
     """Send a verb, print the replies and the result, and return the exit code.
@@ -261,80 +243,69 @@ def _send(
     A verb that acts goes to the robot itself where the console only watches. From now on the first
     SIGINT or SIGTERM calls the request off, a second one ends the program.
     """
-    words = ["stop"] if command_line.is_stop else command_line.rest
-    request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
-    if command_line.is_endless:
-        as_text = "--json" not in command_line.flags
-        request = {
-            "words": command_line.rest,
-            "follow": True,
-            "as_text": as_text,
-            "timeout": timeout,
-        }
-    if "--wait" in command_line.flags:
-        request["wait"] = True
-    try:
-        for number in (signal.SIGINT, signal.SIGTERM):
+    with contextlib.suppress(ValueError):  # Not in the main thread, which alone gets signals.
+        for number in _SIGNALS:
             signal.signal(number, _interrupt)
-    except ValueError:  # This is not the main thread, which alone gets signals.
-        pass
     try:
-        seconds = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
-        result = _request_result(console, request, command_line, seconds)
-        if result["code"] == WATCHING and attach is not None:
+        for reply in console.request(line.timeout, **line.request):
+            if "code" not in reply:
+                _print_reply(console, reply, line)
+        if reply["code"] == WATCHING and attach is not None:
             with attach() as robot:
-                return _send(robot, command_line, timeout, others)
-        return _print_result(result, command_line, others)
+                return _send(robot, line, others)
+        return _print_result(reply, line, others)
     except _Interrupted:
-        for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
+        for number in _SIGNALS:  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)
-        return _give_up(console, command_line)
+        return _give_up(console, line)
 
 
-def _request_result(
-    console: Connection,
-    request: dict[str, Any],
-    command_line: _CommandLine,
-    seconds: float | None,
-) -> dict[str, Any]:
-    for reply in console.request(seconds, **request):
-        if "code" in reply:
-            return reply
-        if "ask" in reply:
-            answer = _ask_person(console, f"{reply['ask']} [y/N] ")
-            if answer is not None:
-                console.send({"answer": answer})
-        elif "--json" in command_line.flags:
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    raise _Interrupted
+
+
+def _give_up(console: Connection, line: CommandLine) -> int:
+    """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
+    try:
+        console.give_up()
+        reply = next(reply for reply in console.replies(_CALL_OFF_TIMEOUT) if "code" in reply)
+        if "--json" in line.flags:
             _print_json(reply)
-        elif "event" in reply:
-            event = reply["event"]
-            _print(f"{event['level']} {event['source']}: {event['text']}")
-        elif "text" in reply:
-            _print_topic_message(reply)
-        elif "said" in reply:
-            complain(reply["said"], prefix="")
-    raise Unreached(GONE)
+        else:
+            complain(reply["text"], prefix="")
+    except Unreached as error:
+        complain(str(error))
+    return INTERRUPTED
 
 
-def _print_topic_message(reply: dict[str, Any]) -> None:
-    """Print a message of a topic, with YAML's separator `---` behind one of several lines."""
-    text = reply["text"]
-    _print(f"{text}\n---" if "\n" in text else text)
-    if reply["left_out"]:
-        complain(f"{reply['left_out']} left out", prefix="")
+def _print_reply(console: Connection, reply: dict[str, Any], line: CommandLine) -> None:
+    """Print what comes before the result; a question is put to the person at the terminal."""
+    if "ask" in reply:
+        answer = _ask_person(console, f"{reply['ask']} [y/N] ")
+        if answer is not None:
+            console.send({"answer": answer})
+    elif "--json" in line.flags:
+        _print_json(reply)
+    elif "event" in reply:
+        event = reply["event"]
+        _print(f"{event['level']} {event['source']}: {event['text']}")
+    elif "text" in reply:  # A message, with YAML's separator behind one of several lines.
+        _print(f"{reply['text']}\n---" if "\n" in reply["text"] else reply["text"])
+        if reply["left_out"]:
+            complain(f"{reply['left_out']} left out", prefix="")
+    elif "said" in reply:
+        complain(reply["said"], prefix="")
 
 
-def _print_result(
-    result: dict[str, Any], command_line: _CommandLine, others: Iterable[str] = ()
-) -> int:
+def _print_result(result: dict[str, Any], line: CommandLine, others: Iterable[str] = ()) -> int:
     """Print a result, and return its exit code; only answers go to standard output."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
-    if "--json" in command_line.flags:
+    if "--json" in line.flags:
         _print_json(result)
     elif code:
-        complain(_failure_text(result, command_line.rest, others))
-    elif "--line" in command_line.flags and isinstance(data, dict) and "line" in data:
+        complain(_failure_text(result, line.rest, others))
+    elif "--line" in line.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):
         _print(result["text"])
@@ -345,37 +316,21 @@ def _print_result(
 
 def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
     """Return why a command failed, with the nearest command or option to a misspelled one."""
+    text = str(result["text"])
     if not words:
-        return str(result["text"])
-    verb, text = words[0], str(result["text"])
-    if text.startswith(f"no command {verb!r}"):
-        return _with_nearest(text, verb, others)
+        return text
+    unknown = f"no command {words[0]!r}"
+    if text.startswith(unknown):  # The console knows verbs only.
+        verb = text.removesuffix(")").rpartition("(nearest: ")
+        near = _nearest(words[0], (*others, *([verb[2]] if verb[1] else [])))
+        return (
+            f"{unknown} (nearest: {near})" if near else f"{unknown} (archo-tui --help lists them)"
+        )
     option = next((word for word in words[1:] if word.startswith("--")), "")
-    if result["code"] == "misuse" and option:
-        known = (*VERB_FLAGS, *VERB_VALUES, "--yes")
-        near = "" if option in known else _nearest(option, known)
-        text += f" (nearest to {option}: {near})" if near else ""
-    return f"{verb}: {text}"
-
-
-def _give_up(console: Connection, command_line: _CommandLine) -> int:
-    """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
-    try:
-        console.send({"give_up": True})
-        for reply in console.replies(_CALL_OFF_TIMEOUT):
-            if "code" in reply and "--json" in command_line.flags:
-                _print_json(reply)
-                break
-            if "code" in reply:
-                complain(reply["text"], prefix="")
-                break
-    except Unreached as error:
-        complain(str(error))
-    return INTERRUPTED
-
-
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    raise _Interrupted
+    known = (*VERB_FLAGS, *VERB_VALUES, "--yes")
+    near = _nearest(option, known) if option not in known else ""
+    hint = f" (nearest to {option}: {near})" if near and result["code"] == "misuse" else ""
+    return f"{words[0]}: {text}{hint}"
 
 
 def _has_person() -> bool:

@@ -300,7 +300,7 @@ class Desk(TerminalApp):
         def close_if_over() -> bool:
             over = is_over(self.station.running_goal)
             if over:
-                self.drop_following_keys(f"{title}: {GOAL_ENDED}")
+                self.drop_following_keys("The question closed")
                 self.report_failure(Outcome(Code.REFUSED, f"{title}: {GOAL_ENDED}"))
             return over
 

@@ -23,6 +23,7 @@ from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.text.nodes import graph_lines, node_rows
 from archo_tui.user_code.usage import usage_text
+from archo_tui.verbs.nodes import DuplicateNode
 from archo_tui.widgets.field import Button
 from archo_tui.widgets.line import content
 from archo_tui.widgets.nodes_panel import NodesPanel
@@ -65,11 +66,11 @@ class StartStop(_NodeCommand):
 
 
 class CopyNode(_NodeCommand):
-    id, key, verbs = "copy", "plus", ("copy",)
+    id, key, verbs = "copy", "plus", ("start",)
     help = "Start another copy of the selected node"
 
     def run(self, desk: Desk) -> Work | None:
-        return self.run_verb(desk, "copy", self._selected(desk))
+        return desk.run_verb(DuplicateNode(), {"node": self._selected(desk).name})
 
 
 class Restart(Command):

@@ -10,7 +10,8 @@ from collections.abc import Callable, Coroutine, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
-from archo_tui.client.connection import Connection, Unreached
+from archo_tui.client.connection import Connection
+from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import PROTOCOL
 from archo_tui.console.session import RequestHandler
 from archo_tui.console.socket import Server
@@ -60,13 +61,13 @@ _END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 class _Frontend:
     """A station's front end without a person, whose loop runs in a thread of its own."""
 
+    has_person = False  # A person who could allow a request of an assistant sits at a console.
+
     def __init__(self, station: Station) -> None:
         self._station = station
-        self._loop = asyncio.new_event_loop()
         self._tasks: set[asyncio.Task[None]] = set()
         self._has_found = threading.Event()
         self._thread = threading.Thread(target=self._run_loop, name="once", daemon=True)
-        self.run_in_background(self._run_station)
         self._thread.start()
 
     def wait_for_robot(self) -> None:
@@ -78,7 +79,7 @@ class _Frontend:
 
     def close(self) -> None:
         """End the loop, and cancel what is still being carried out; wait up to 5 s for that."""
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._loop.call_soon_threadsafe(self._running.cancel)
         self._thread.join(_END_TIMEOUT)
 
     # Called on the loop.
@@ -93,8 +94,6 @@ class _Frontend:
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
         """Do nothing: the requester gets the answer as a result."""
 
-    has_person = False  # A person who could allow a request of an assistant sits at a console.
-
     def close_questions(self) -> None:
         """Do nothing: only the sender of the STOP could have been asked."""
 
@@ -102,23 +101,23 @@ class _Frontend:
         """Do nothing: this process hosts no nodes, which alone need a restart."""
 
     def _run_loop(self) -> None:
-        asyncio.set_event_loop(self._loop)
-        self._loop.run_forever()
-        for task in self._tasks:
-            task.cancel()
-        self._loop.run_until_complete(asyncio.gather(*self._tasks, return_exceptions=True))
-        self._loop.close()
+        with contextlib.suppress(asyncio.CancelledError):  # By `close`.
+            asyncio.run(self._run_station())
+
+    async def _run_station(self) -> None:
+        station, self._loop = self._station, asyncio.get_running_loop()
+        self._running = asyncio.ensure_future(self._tick())
+        station.attach(self)
+        station.robot.subscribe(self._on_snapshot)
+        await self._running
 
     def _on_snapshot(self, snapshot: Snapshot) -> None:
         self._station.on_snapshot(snapshot)
 
-    async def _run_station(self) -> None:
-        station = self._station
-        station.attach(self)
-        station.robot.subscribe(self._on_snapshot)
-        while not station.robot.snapshot.nodes:
+    async def _tick(self) -> None:
+        while not self._station.robot.snapshot.nodes:
             await asyncio.sleep(_FIND_PERIOD)
         self._has_found.set()
         while True:
             await asyncio.sleep(_TICK)
-            station.tick()
+            self._station.tick()

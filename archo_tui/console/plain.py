@@ -86,7 +86,6 @@ class Plain:
     """
 
     pid, requester = 0, YOU
-    is_process_apart = False
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
         """Create the frontend; `run` reads and writes, and the descriptors stay open."""
@@ -467,8 +466,7 @@ class Plain:
         """Run work as a task beside the others; the end of the input does not wait for it."""
         self._start(work())
 
-    def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        self._start(work())
+    run_in_background = carry_out
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Print why the robot did not accept a goal of the queue; an accepted one comes as news."""

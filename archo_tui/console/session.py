@@ -59,7 +59,7 @@ class Client(Protocol):
 
     @property
     def requester(self) -> Requester | None:
-        """The one on whose behalf the client acts; None: it acts for itself."""
+        """The one on whose behalf the client acts; None: a program, which acts for itself."""
 
     @property
     def ask(self) -> Callable[[Question], Awaitable[None]] | None:
@@ -74,10 +74,6 @@ class Client(Protocol):
     @property
     def is_behind(self) -> bool:
         """True while the client has not read all replies."""
-
-    @property
-    def is_process_apart(self) -> bool:
-        """True if it may be suspended while the console goes on."""
 
 
 class RequestHandler:
@@ -222,14 +218,18 @@ class Session:
         self._is_waiting = request.get("wait") is True
         self.requester.waits = self._is_assistant or self._is_waiting
         word = words[0] if isinstance(words, list) and words else None
-        verb = self._handler.verbs.get(word) if isinstance(word, str) else None
-        waits = verb is not None and verb.is_slow
-        self._calls_service, self._sends_goals = False, verb is not None and verb.has_goals
+        self._verb = self._handler.verbs.get(word) if isinstance(word, str) else None
         # So cancelling the task calls it off.
-        self._is_read_only = waits or bool(request.get("follow"))
+        is_slow = self._verb is not None and self._verb.is_slow
+        self._is_read_only = is_slow or bool(request.get("follow"))
         self._tells: dict[str, bool] = {}  # Of the result, once the verb is known.
         self.missed_beats = 0  # Since the client's last sign.
         self._is_called_off = False  # True once the task was cancelled to call its request off.
+
+    @property
+    def _calls_service(self) -> bool:
+        """True for a request that nothing takes back once a service has it."""
+        return isinstance(self._verb, Call)
 
     def answer(self, is_yes: bool) -> None:
         """Answer the open question; without one do nothing."""
@@ -243,7 +243,6 @@ class Session:
         if not (self._is_read_only or self.requester.ends or self._is_assistant):
             self.requester.has_left = True  # Nothing was sent; nothing will be.
         await self.call_off()
-        # Nothing takes back a request that a service has: only the waiting ends.
         if self._calls_service and self._task is not None:
             self._cancel_task()
         return True
@@ -311,13 +310,13 @@ class Session:
         work, clock = asyncio.ensure_future(self._carry_out(request)), self._station.clock
         over = f"not within {timeout:g} s"
         try:
-            if timeout == 0 and self._sends_goals:
+            if timeout == 0 and self._verb is not None and self._verb.has_goals:
                 return await self._call_off_late(work, over)  # Before its first step.
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
             if self._is_read_only:
                 over = f"{timeout:g} s are over"
-            elif self._calls_service:  # Nothing takes back a request that a service has.
+            elif self._calls_service:
                 over += ": the robot may still do it"
             else:
                 return await self._call_off_late(work, over)
@@ -362,16 +361,16 @@ class Session:
             text = verb.help_line if self.requester is YOU else verb.help_text
             return Outcome(Code.DONE, text)
         verb, rest = choose_verb(verbs, station, word, rest)
+        self._verb = verb
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, rest)
-        self._calls_service = isinstance(verb, Call)
         if isinstance(verb, (Call, Wait)):
             values = {**values, TIMEOUT: timeout_of(request), SENT: self._sent}
         by_reply = partial(self._ask, number, request.get("person") is True)
         ask = None if yes else self._client.ask or by_reply
         requester = self.requester
-        beats = verb.lasts and self._client.is_process_apart
+        beats = verb.lasts and requester is not YOU  # A program may be suspended.
         watch = asyncio.ensure_future(self._end_without_beats(number)) if beats else None
         try:
             outcome = await run_when_ready(station, verb, values, ask)

@@ -48,7 +48,6 @@ class SocketClient:
     """A connected program: the requests of it that wait, and the replies that it has not read."""
 
     requester = ask = None  # It acts for itself, and is asked by a reply.
-    is_process_apart = True
 
     def __init__(self, server: Server, connected: socket.socket) -> None:
         self._server, self._socket = server, connected

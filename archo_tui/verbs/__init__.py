@@ -19,13 +19,13 @@ from archo_tui.verbs.verb import Forms, Verb
 
 # In the order in which help lists them.
 _FILES = goals, places, stop, services, show, alarms, parameters, nodes, topics, waits
-# Every class of a verb in them; the bases of several begin with an underscore.
+# Every class of a verb in them; the bases of several have no word.
 _KINDS = [
     kind
     for file in _FILES
     for name, kind in vars(file).items()
     if isinstance(kind, type) and issubclass(kind, Verb)
-    if kind.__module__ == file.__name__ and not name.startswith("_")
+    if kind.__module__ == file.__name__ and not name.startswith("_") and kind is not goals.GoalVerb
 ]
 
 

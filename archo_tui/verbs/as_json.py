@@ -34,8 +34,7 @@ def state(station: Station) -> dict[str, Any]:
             "voltage": _number(battery.voltage),  # In V.
             "charging": battery.charging,
             "word": battery_word(snapshot)[1],
-            "age": _age(battery.received, now),  # In s.
-            "source": "measured",
+            **_measured(battery.received, now),
         },
         "motion": {
             "moving": motion.moving,
@@ -43,8 +42,7 @@ def state(station: Station) -> dict[str, Any]:
             "speed": _number(motion.speed),
             "time_factor": snapshot.time_factor,  # None for real seconds.
             "word": _motion_word(snapshot, now, 80),
-            "age": _age(motion.received, now),
-            "source": "measured",
+            **_measured(motion.received, now),
         },
         "pose": _pose(snapshot, now),
         "goal": None if snapshot.goal is None else goal(snapshot.goal, now),
@@ -81,8 +79,7 @@ def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
         "y": pose.y,
         "yaw": pose.yaw,  # In degrees.
         "frame": pose.frame,
-        "age": _age(pose.received, now),
-        "source": "measured",
+        **_measured(pose.received, now),
     }
 
 
@@ -172,6 +169,10 @@ def parameter(found: Parameter) -> dict[str, Any]:
         "high": found.high,
         "read_only": found.read_only,
     }
+
+
+def _measured(received: float | None, now: float) -> dict[str, Any]:
+    return {"age": _age(received, now), "source": "measured"}  # In s.
 
 
 def _age(received: float | None, now: float) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Awaitable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Awaitable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.daemon_threads import in_daemon
@@ -71,14 +71,28 @@ class _Named(NamedTuple):
     mistake: str  # Why it is no value.
 
 
-class Go(Verb):
-    """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`.
+class GoalVerb(Verb):
+    """The base of the verbs that send goals, which wait behind those that were sent before.
 
-    The goals wait behind those that were sent before. The outcome is the robot's answer to the
-    first one, or that it waits in the queue.
+    The outcome is the robot's answer to the first one, or that it waits in the queue.
     """
 
     acts = has_goals = may_ask = True
+
+    def question(self, station: Station, values: Values) -> Question | None:
+        return low_battery_question(station, "Send")
+
+    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        accept_low_battery(station)
+        return station.goals.drive(self.queued(values))
+
+    def queued(self, values: Values) -> list[QueuedGoal]:
+        """Return the goals that the prepared values mean."""
+        raise NotImplementedError
+
+
+class Go(GoalVerb):
+    """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`."""
 
     def __init__(self, kind: GoalKind, fields: Sequence[TypedField] | None, verb: str = "") -> None:
         """Create the verb; `fields` is None if the type is not installed."""
@@ -87,21 +101,20 @@ class Go(Verb):
         self.title = self.help = kind.title
         self.service = kind.action
         several = fields is not None and len(fields) == 1 and is_number(fields[0])
-        self.arguments = tuple(_argument(kind, field, several) for field in fields or ())
-        if not several:
-            labels = [f"{argument.name.lower()}=" for argument in self.arguments]
-            self.arguments = tuple(
-                argument._replace(completer=lambda *_: labels) for argument in self.arguments
-            )
-        self.arguments = tuple(self._with_places(argument) for argument in self.arguments)
+        names = [kind.form.get(f.path, FormField()).label or f.path for f in fields or ()]
+        self.arguments = tuple(Argument(name, several, completer=self._complete) for name in names)
 
-    def _with_places(self, argument: Argument) -> Argument:
-        others = argument.completer
-
-        def complete(station: Station, words: Sequence[str]) -> Iterable[str]:
-            return [*(others(station, words) if others else ()), *station.places.of(self.kind)]
-
-        return argument._replace(completer=complete)
+    def _complete(self, station: Station, _: Sequence[str]) -> list[str]:
+        """Return the numbers of a goal's only field, else the names of all, and the places."""
+        found = [f"{argument.name.lower()}=" for argument in self.arguments]
+        if self.arguments[0].many:
+            given = self.kind.form.get((self._fields or ())[0].path, FormField())
+            least, most = map(station.robot.snapshot.limit, (given.low, given.high))
+            found = []
+            if least is not None and most is not None and 0 <= least <= most < math.inf:
+                numbers = range(math.ceil(least), math.floor(most) + 1)[:_MOST_NUMBERS]
+                found = [*map(str, numbers)]
+        return [*found, *station.places.of(self.kind)]
 
     @classmethod
     def of_robot(cls, robot: RobotFile, forms: Forms) -> Iterator[Go]:
@@ -177,25 +190,8 @@ class Go(Verb):
             check_ranges(self._fields or (), form, goal)
         return {**values, GOALS: goals}
 
-    def question(self, station: Station, values: Values) -> Question | None:
-        return low_battery_question(station, "Send")
-
-    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        accept_low_battery(station)
-        return station.goals.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
-
-
-def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
-    given = kind.form.get(field.path, FormField())
-    low, high = given.low, given.high
-
-    def numbers(station: Station, _: Sequence[str]) -> Iterable[str]:
-        least, most = map(station.robot.snapshot.limit, (low, high))
-        if least is None or most is None or not 0 <= least <= most < math.inf:
-            return ()
-        return map(str, range(math.ceil(least), math.floor(most) + 1)[:_MOST_NUMBERS])
-
-    return Argument(given.label or field.path, many=several, completer=numbers)
+    def queued(self, values: Values) -> list[QueuedGoal]:
+        return [QueuedGoal(self.kind, given) for given in values[GOALS]]
 
 
 class Cancel(Verb):
@@ -284,11 +280,7 @@ class SkipGoal(Verb):
         return station.goals.skip()
 
 
-def _action_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return station.robot.snapshot.actions
-
-
-class SendGoal(Verb):
+class SendGoal(GoalVerb):
     """The verb `send_goal`: send one goal to any action on the graph, also in another namespace.
 
     For an action of the robot file, its labels, fixed values and limits hold, and several goals can
@@ -298,10 +290,9 @@ class SendGoal(Verb):
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
     arguments = (
-        Argument("action", completer=_action_names),
+        Argument("action", completer=lambda station, _: station.robot.snapshot.actions),
         Argument("field=value", many=True, optional=True),
     )
-    acts = has_goals = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"
@@ -319,12 +310,8 @@ class SendGoal(Verb):
         fields = await fields_of(station, name, type_name, values["field=value"])
         return {KIND: any_kind(name, type_name), GOALS: [fields]}
 
-    def question(self, station: Station, values: Values) -> Question | None:
-        return low_battery_question(station, "Send")
-
-    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        accept_low_battery(station)
-        return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
+    def queued(self, values: Values) -> list[QueuedGoal]:
+        return [QueuedGoal(values[KIND], given) for given in values[GOALS]]
 
 
 def any_kind(action: str, type_name: str) -> GoalKind:

@@ -64,13 +64,17 @@ async def fields_of(
     return parse_all(fields, {}, texts_by_path(fields, {}, words, partial=True))
 
 
-def hosted_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    """Return the nodes of this process; a `Completer`, as those below."""
-    return [hosted.name for hosted in station.host.states()]
+def find_node(snapshot: Snapshot, name: str, known: Collection[str] = ()) -> str:
+    """Return the full name of a typed node; NotOnGraphError unless it is on the graph or known."""
+    nodes = {*known, *(node.name for node in snapshot.nodes)}
+    full = full_name(snapshot, name, nodes)
+    if full not in nodes:
+        raise NotOnGraphError(f"no node {full} is on the graph{nearest_node_hint(full, nodes)}")
+    return full
 
 
 def node_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    """Return the nodes on the graph."""
+    """Return the nodes on the graph; a `Completer`, as the next one."""
     return [node.name for node in station.robot.snapshot.nodes]
 
 

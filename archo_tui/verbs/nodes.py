@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -11,12 +11,13 @@ from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import ACTION, LEVELS, SERVICE, NodeState
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.text.nodes import node_rows
-from archo_tui.verbs.names import full_name, hosted_names, nearest_node_hint, node_names
-from archo_tui.verbs.verb import Argument, NotOnGraphError, Question, Values, Verb
+from archo_tui.verbs.names import find_node, full_name, nearest_node_hint, node_names
+from archo_tui.verbs.verb import Argument, Forms, NotOnGraphError, Question, Values, Verb
 
 
 class Nodes(Verb):
@@ -25,29 +26,23 @@ class Nodes(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
-        lines, rows = [], node_rows(station.view)
-        for row in rows:
+        lines, data = [], []
+        for row in node_rows(station.view):
             _, word, _ = row.word()
-            here = " (in this process)" if row.hosted else ""
-            word = word or row.state.lifecycle or "up"
-            lines.append(f"{row.name.lstrip('/')} {word}{here}")
-        data = [
-            {
-                "name": row.name,
-                "word": row.word()[1] or "up",
-                "lifecycle": row.state.lifecycle or None,
-                "here": row.hosted is not None,
-                "rate": row.state.rate,
-            }
-            for row in rows
-        ]
+            lifecycle, is_here = row.state.lifecycle, row.hosted is not None
+            here = " (in this process)" if is_here else ""
+            lines.append(f"{row.name.lstrip('/')} {word or lifecycle or 'up'}{here}")
+            told = {"name": row.name, "word": word or "up", "lifecycle": lifecycle or None}
+            data.append({**told, "here": is_here, "rate": row.state.rate})
         return Report.of("\n".join(lines) or "no node is on the graph", data)
 
 
 class _NodeVerb(Verb):
     """The base of the verbs that start, stop or copy one node of this process."""
 
-    arguments = (Argument("node", completer=hosted_names),)
+    arguments = (
+        Argument("node", completer=lambda station, _: [n.name for n in station.host.states()]),
+    )
     acts = True
     starts = False  # True if one more node is on the graph afterwards.
 
@@ -111,9 +106,15 @@ class StopNode(_NodeVerb):
 
 
 class DuplicateNode(_NodeVerb):
+    """The verb of the key that starts another copy of a node; it has no word."""
+
     id, title = "copy", "Copy"
     help = "Start another copy of a node that was started here"
     may_ask = starts = True
+
+    @classmethod
+    def of_robot(cls, _robot: RobotFile, _forms: Forms) -> Iterator[Verb]:
+        return iter(())
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
         return station.host.copy_node
@@ -131,31 +132,28 @@ class DuplicateNode(_NodeVerb):
         return Question("Another copy", text, "No", "Run it")
 
 
-def _levels(_: Station, __: Sequence[str]) -> Iterable[str]:
-    return [level.lower() for level in LEVELS]
+class _NodeSetting(Verb):
+    """The base of the verbs that show something of any node, or with a second word change it."""
 
-
-class LogLevel(Verb):
-    id, title, tells = "log_level", "Log level", True
-    help = f"Show or set the log level of a node: {', '.join(LEVELS).lower()}"
-    arguments = (
-        Argument("node", completer=node_names),
-        Argument("level", optional=True, completer=_levels),
-    )
-    acts = True
+    acts = tells = True
 
     def acts_with(self, values: Values) -> bool:
-        return "level" in values
+        return self.arguments[1].name in values
 
     def tells_with(self, values: Values) -> bool:
         return not self.acts_with(values)
 
+
+class LogLevel(_NodeSetting):
+    id, title = "log_level", "Log level"
+    help = f"Show or set the log level of a node: {', '.join(LEVELS).lower()}"
+    arguments = (
+        Argument("node", completer=node_names),
+        Argument("level", optional=True, completer=lambda *_: [each.lower() for each in LEVELS]),
+    )
+
     async def prepare(self, station: Station, values: Values) -> Values:
-        nodes = [node.name for node in station.robot.snapshot.nodes]
-        name = full_name(station.robot.snapshot, values["node"], nodes)
-        if name not in nodes:
-            raise NotOnGraphError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
-        given = {"node": name}
+        given = {"node": find_node(station.robot.snapshot, values["node"])}
         if "level" in values:
             given["level"] = values["level"].upper()
             if given["level"] not in LEVELS:
@@ -182,40 +180,27 @@ _FINAL = "finalized"  # The state from which there is no transition.
 _TRANSITIONS = "configure", "activate", "deactivate", "cleanup", "shutdown"
 
 
-def _managed_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return _managed(station.robot.snapshot)
-
-
-class Lifecycle(Verb):
+class Lifecycle(_NodeSetting):
     """The verb `lifecycle`: show a managed node's state and its transitions, or request one.
 
     A question comes before a shutdown, and before any transition of a node that serves STOP or the
     running goal.
     """
 
-    id, title, tells = "lifecycle", "Lifecycle", True
+    id, title = "lifecycle", "Lifecycle"
     help = "Show the state of a managed node, or change it: configure, activate, ..."
     arguments = (
-        Argument("node", completer=_managed_names),
+        Argument("node", completer=lambda station, _: _managed(station.robot.snapshot)),
         Argument("transition", optional=True, completer=lambda *_: _TRANSITIONS),
     )
-    acts = may_ask = True
-
-    def acts_with(self, values: Values) -> bool:
-        return "transition" in values
-
-    def tells_with(self, values: Values) -> bool:
-        return not self.acts_with(values)
+    may_ask = True
 
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot = station.robot.snapshot
-        managed, nodes = _managed(snapshot), [node.name for node in snapshot.nodes]
-        name = full_name(snapshot, values["node"], nodes)
-        near = nearest_node_hint(name, managed)
-        if name not in nodes:
-            raise NotOnGraphError(f"no node {name} is on the graph{near}")
-        if name not in managed:
-            raise NotOnGraphError(f"{name} is not a managed node{near}")  # Its services may come.
+        name, managed = find_node(snapshot, values["node"]), _managed(snapshot)
+        if name not in managed:  # Its services may come.
+            near = nearest_node_hint(name, managed)
+            raise NotOnGraphError(f"{name} is not a managed node{near}")
         given = {"node": name}
         if "transition" in values:
             given["transition"] = values["transition"].lower()
@@ -235,24 +220,21 @@ class Lifecycle(Verb):
         return Question(title, text[0].upper() + text[1:], "Leave it", transition.capitalize())
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        node, outcome = values["node"], await self._run(station, values)
+        node = values["node"]
+        if "transition" in values:
+            outcome = await station.robot.change_lifecycle(node, values["transition"])
+        elif node not in _managed(station.robot.snapshot):
+            return Outcome(Code.NOT_OFFERED, f"{node} has left")
+        else:
+            state = _managed(station.robot.snapshot)[node].lifecycle
+            possible = ", ".join(await station.robot.lifecycle_transitions(node))
+            if not possible and state != _FINAL:
+                return Outcome(Code.TIMEOUT, f"no answer from {node.lstrip('/')}; shown is {state}")
+            can = f": it can {possible}" if possible else ""
+            outcome = Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
         managed = _managed(station.robot.snapshot).get(node)
         data = {"node": node, "state": None if managed is None else managed.lifecycle}
         return Report.of(outcome.text, data) if outcome.ok else outcome
-
-    async def _run(self, station: Station, values: Values) -> Outcome:
-        node = values["node"]
-        if "transition" in values:
-            return await station.robot.change_lifecycle(node, values["transition"])
-        managed = _managed(station.robot.snapshot)
-        if node not in managed:
-            return Outcome(Code.NOT_OFFERED, f"{node} has left")
-        state = managed[node].lifecycle
-        possible = ", ".join(await station.robot.lifecycle_transitions(node))
-        if not possible and state != _FINAL:
-            return Outcome(Code.TIMEOUT, f"no answer from {node.lstrip('/')}; shown is {state}")
-        can = f": it can {possible}" if possible else ""
-        return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
 
 
 def _managed(snapshot: Snapshot) -> dict[str, NodeState]:

@@ -23,7 +23,7 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json
-from archo_tui.verbs.names import full_name, nearest_node_hint
+from archo_tui.verbs.names import find_node, full_name
 from archo_tui.verbs.verb import (
     Argument,
     NotOnGraphError,
@@ -99,11 +99,7 @@ class _ParameterVerb(Verb):
             return found[0]
         if not values.get("node"):
             raise self._unclear(name, of_node, [parameter.node for parameter in found])
-        owners = {p.node for p in snapshot.parameters}
-        node, nodes = full_name(snapshot, values["node"], owners), {n.name for n in snapshot.nodes}
-        if node not in nodes | owners:
-            near = nearest_node_hint(node, nodes | owners)
-            raise NotOnGraphError(f"no node {node} is on the graph{near}")
+        node = find_node(snapshot, values["node"], {p.node for p in snapshot.parameters})
         if node in snapshot.unreported:
             raise NotPossible(f"{node} {snapshot.unreported[node]}")
         near = nearest_hint(name, [parameter.name for parameter in of_node])

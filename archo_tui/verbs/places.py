@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -13,8 +13,8 @@ from archo_tui.robot.state.goal import values_text
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.goal_driver import MAX_QUEUED_GOALS
 from archo_tui.station.station import Station
-from archo_tui.verbs.goals import GOALS, Go, accept_low_battery, low_battery_question
-from archo_tui.verbs.verb import Argument, Forms, NotPossible, Question, Values, Verb
+from archo_tui.verbs.goals import GOALS, Go, GoalVerb
+from archo_tui.verbs.verb import Argument, Forms, NotPossible, Values, Verb
 
 
 class _PlaceVerb(Verb):
@@ -134,20 +134,15 @@ class SaveQueue(_PlaceVerb):
         return Outcome(Code.DONE, text)
 
 
-def _lists(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return station.places.lists
-
-
-class Drive(_PlaceVerb):
+class Drive(GoalVerb, _PlaceVerb):
     """The verb `go_list`: send the goals of a list, once or several times in turn."""
 
     id, title = "go_list", "Go to the goals of a list"
     help = "Send the goals of a list, once or N times in turn"
     arguments = (
-        Argument("name", completer=_lists),
+        Argument("name", completer=lambda station, _: station.places.lists),
         Argument("n", optional=True),
     )
-    acts = has_goals = may_ask = True
 
     async def prepare(self, station: Station, values: Values) -> Values:
         text = values.get("n", "1")
@@ -161,9 +156,5 @@ class Drive(_PlaceVerb):
             checked.append(goal._replace(values=given[GOALS][0]))
         return {**values, GOALS: checked * int(text)}
 
-    def question(self, station: Station, values: Values) -> Question | None:
-        return low_battery_question(station, "Send")
-
-    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        accept_low_battery(station)
-        return station.goals.drive(values[GOALS])
+    def queued(self, values: Values) -> list[QueuedGoal]:
+        return list(values[GOALS])

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from archo_tui.robot.messages.typed import as_typed, typed_request
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
@@ -64,17 +64,13 @@ class Give(Verb):
         return await station.robot.command(self.given, self.is_on)
 
 
-def _service_names(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return station.robot.snapshot.services
-
-
 class Call(Verb):
     """The verb `call`: call any service on the graph; its outcome is the response."""
 
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
     arguments = (
-        Argument("service", completer=_service_names),
+        Argument("service", completer=lambda station, _: station.robot.snapshot.services),
         Argument("field=value", many=True, optional=True),
     )
     acts = tells = True
@@ -163,15 +159,13 @@ def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Calle
     if stop is not None and stop in meant:
         return stop
     if len(meant) > 1:
-        raise ValueError(f"{service} is called by several: type {_either(meant)}")
+        raise ValueError(
+            f"{service} is called by several: type {' or '.join(verb.id for verb in meant)}"
+        )
     if not meant:
         ways = " or ".join(f"{as_typed(verb.request)} ({verb.id})" for verb in found)
         raise ValueError(f"{service} needs {ways}")
     return meant[0]
-
-
-def _either(found: Sequence[Verb]) -> str:
-    return " or ".join(verb.id for verb in found)
 
 
 def _refuse_part_of_action(verbs: Mapping[str, Verb], snapshot: Snapshot, service: str) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from archo_tui.clock import time_of_day
 from archo_tui.errors import ArchoError
@@ -98,20 +99,12 @@ class ShowHistory(Verb):
     help = "Show the measured values of the last hour, and the results of the last goals"
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        lines = [_past_line(station, quantity) for quantity in _NAMES]
-        lines += map(ended_goal_text, station.robot.snapshot.history)
-        text = "\n".join(filter(None, lines)) or "nothing yet"
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
+        hour = {quantity: _past(station, quantity) for quantity in _NAMES}
         goals = [{**goal_data(found, now), "time": found.time} for found in snapshot.history]
-        hour = {
-            quantity: {
-                "unit": _unit(snapshot, quantity) or None,
-                "readings": [
-                    {"age": age, "value": value} for age, value in _readings(station, quantity)
-                ],
-            }
-            for quantity in _NAMES
-        }
+        lines = [_past_line(_NAMES[quantity], past) for quantity, past in hour.items()]
+        lines += map(ended_goal_text, snapshot.history)
+        text = "\n".join(filter(None, lines)) or "nothing yet"
         return Report.of(text, {**hour, "goals": goals})
 
 
@@ -124,27 +117,29 @@ _NAMES: dict[Quantity, str] = {
 }
 
 
-def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
-    """Yield an age in seconds and the finite value then, or None, for now and each of SPANS."""
-    now, history = station.clock.monotonic(), station.history
-    found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
+def _past(station: Station, quantity: Quantity) -> dict[str, Any]:
+    """Return a quantity's unit, and its finite value or None now and each of SPANS seconds ago."""
+    snapshot, now = station.robot.snapshot, station.clock.monotonic()
+    found = [(0.0, current_values(snapshot, now)[quantity])]
     for span in SPANS:
-        oldest = history.ranges(quantity, span, int(span), now)[0]
+        oldest = station.history.ranges(quantity, span, int(span), now)[0]
         found.append((span, None if oldest is None else oldest[1]))
-    for age, value in found:
-        yield age, value if value is None or math.isfinite(value) else None
+    readings = [
+        {"age": age, "value": value if value is None or math.isfinite(value) else None}
+        for age, value in found
+    ]
+    return {"unit": _unit(snapshot, quantity) or None, "readings": readings}
 
 
-def _past_line(station: Station, quantity: Quantity) -> str:
+def _past_line(name: str, past: Mapping[str, Any]) -> str:
     """Return a line like `speed (m/s): now 0.80, 1 min ago 0.00`, or "" if no value is known."""
     known = [
         f"{f'{age / 60:.0f} min ago' if age else 'now'} {value:.2f}"
-        for age, value in _readings(station, quantity)
+        for age, value in (each.values() for each in past["readings"])
         if value is not None
     ]
-    unit = _unit(station.robot.snapshot, quantity)
-    name = f"{_NAMES[quantity]} ({unit})" if unit else _NAMES[quantity]
-    return f"{name}: {', '.join(known)}" if known else ""
+    unit = f" ({past['unit']})" if past["unit"] else ""
+    return f"{name}{unit}: {', '.join(known)}" if known else ""
 
 
 def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
@@ -173,14 +168,10 @@ class ShowDiagnostics(Verb):
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         found = diagnostics_worst_first(snapshot, now)
         lines = [diagnostic_line(status, now) for status in found]
+        names = "name", "hardware_id", "message"
         data = [
-            {
-                "name": status.name,
-                "hardware_id": status.hardware_id,
-                "level": status.level.value,
-                "message": status.message,
-                "age": now - status.received,  # In s.
-            }
+            {name: getattr(status, name) for name in names}
+            | {"level": status.level.value, "age": now - status.received}  # In s.
             for status in found
         ]
         return Report.of("\n".join(lines) or no_diagnostics_text(snapshot), data)

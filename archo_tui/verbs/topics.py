@@ -289,20 +289,21 @@ def _find(typed: str, known: list[str]) -> tuple[str, str]:
     found = {name: text for name in meant if (text := definition_text(name)) is not None}
     if len(found) == 1:
         return next(iter(found.items()))
-    if len(found) > 1:
+    if found:
         raise ArchoError(f"{typed} has several meanings: {', '.join(found)}")
-    absent = next((name for name in meant if name in known), "")
-    if absent:
-        raise ArchoError(f"{absent} is on the graph, and not installed here")
-    package = package_of(typed) if "/" in typed else ""
-    others = names_in(package) if parse_type(f"{package}/msg/A") else []
-    if package and not others and not any(package_of(name) == package for name in known):
+    if absent := [name for name in meant if name in known]:
+        raise ArchoError(f"{absent[0]} is on the graph, and not installed here")
+    package, parts = package_of(typed) if "/" in typed else "", typed.count("/")
+    installed = names_in(package) if parse_type(f"{package}/msg/A") else []
+    if package and not installed and package not in map(package_of, known):
         near = nearest_hint(package, map(package_of, known))
         raise ArchoError(f"no package of interfaces {package} is installed here{near}")
-    near = _nearest(typed, [*known, *others])
-    raise NotOnGraphError(
-        f"no type {typed} is {'installed here' if package else 'on the graph'}{near}"
-    )
+    names = [*known, *installed]
+    if parts < 2:  # With as many parts as were typed.
+        names = [f"{package_of(n)}/{base_name(n)}" if parts else base_name(n) for n in names]
+    near = nearest_hint(typed, names)
+    where = "installed here" if package else "on the graph"
+    raise NotOnGraphError(f"no type {typed} is {where}{near}")
 
 
 def _possible_names(typed: str, known: list[str]) -> list[str]:
@@ -313,15 +314,6 @@ def _possible_names(typed: str, known: list[str]) -> list[str]:
         package, name = typed.split("/")
         return [f"{package}/{kind}/{name}" for kind in KINDS]
     return [typed]
-
-
-def _nearest(typed: str, known: list[str]) -> str:
-    """Return ` (nearest: TYPE)`, with as many parts as were typed, for a misspelt type, or ""."""
-    if "/" in typed:
-        parts = [name.split("/") for name in known]
-        short = [f"{package}/{name}" for package, _, name in filter(lambda p: len(p) == 3, parts)]
-        return nearest_hint(typed, known if typed.count("/") > 1 else short)
-    return nearest_hint(typed, map(base_name, known))
 
 
 class Publish(Verb):

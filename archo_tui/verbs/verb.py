@@ -199,6 +199,13 @@ class Verb:
         return (*asks, *goals, *self.own_options, *timeout, *_OPTIONS)
 
     @property
+    def option_names(self) -> list[str]:
+        """The names of all options, flags among the arguments included."""
+        flags = [argument.name for argument in self.arguments if argument.is_flag]
+        names = (name.partition(" ")[0] for name, _ in self.options)
+        return [*dict.fromkeys((*flags, *names))]
+
+    @property
     def help_line(self) -> str:
         """The line of help: `get NODE NAME: Show a parameter`."""
         return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
@@ -325,6 +332,8 @@ def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]
     if not before:
         return [verb for verb in verbs if verb.startswith(unfinished)]
     verb, number = verbs.get(before[0]), len(before) - 1
+    if verb and unfinished.startswith("-"):
+        return [name for name in verb.option_names if name.startswith(unfinished)]
     arguments = [a for a in verb.arguments if not a.is_flag] if verb else []
     at = number if number < len(arguments) or not arguments or not arguments[-1].many else -1
     completer = arguments[at].completer if -1 <= at < len(arguments) and arguments else None

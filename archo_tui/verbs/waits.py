@@ -90,59 +90,62 @@ class Wait(Verb):
 
     def check(self, station: Station, values: Values) -> Check:
         """Return the check of a condition, which is about the goal that runs now."""
-        running, sent = station.running_goal, values.get(SENT)
-        if values["state"] == "arrived":
-            return lambda: outcome_if_over(sent) if sent else _arrived(station, running)
-        if values["state"] == "left":
-            return lambda: _left(station, running, values["number"])
-        if values["state"] == "battery":
-            return lambda: _charged(station, values["number"])
-        checks = {"idle": _idle, "ready": self._ready, "stopped": _stopped}
-        return lambda: checks[values["state"]](station)
+        running, sent, number = station.running_goal, values.get(SENT), values.get("number", 0.0)
+        checks: dict[str, Check] = {
+            "idle": lambda: _idle(station),
+            "ready": lambda: self._ready(station),
+            "stopped": lambda: _stopped(station),
+            "battery": lambda: _charged(station, number),
+            "left": lambda: _arrived(station, running, number),
+            "arrived": lambda: outcome_if_over(sent) if sent else _arrived(station, running),
+        }
+        return checks[values["state"]]
 
     def _ready(self, station: Station) -> Outcome | None:
         """Return success once a goal could be sent and driven; a refusal if it never can be."""
         why = self._go.refusal(station) if self._go else "the robot file names no goal"
-        if not why:
-            return None if _is_goal_pointless(station) else Outcome(Code.DONE, "ready")
-        is_final = station.robot.watching or self._go is None
-        return Outcome(Code.REFUSED, why) if is_final else None
+        if why:
+            is_final = station.robot.watching or self._go is None
+            return Outcome(Code.REFUSED, why) if is_final else None
+        names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
+        is_bad = station.robot.snapshot.is_stopped or names & {CONTACT_LOST, BATTERY_EMPTY}
+        return None if is_bad or _is_silent(station) else Outcome(Code.DONE, "ready")
 
 
 def _idle(station: Station) -> Outcome | None:
     """Return success once no goal runs or is due, and nothing moves; None without data."""
     snapshot = station.robot.snapshot
-    busy = snapshot.running_goal is not None or station.queue.is_going
+    busy = snapshot.running_goal is not None or station.queue.is_going or _may_move(station)
     # A goal of a robot that does not report its motion may not be found yet.
     is_new = snapshot.file.motion is None and station.age < DISCOVERY_TIME
-    if is_new or no_data_text(snapshot):
-        return None
-    return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
+    is_known = not (is_new or no_data_text(snapshot))
+    return Outcome(Code.DONE, "idle") if is_known and not busy else None
 
 
 def _stopped(station: Station) -> Outcome | None:
-    done = _is_stopped(station) and not _may_move(station)
-    return Outcome(Code.DONE, "stopped") if done else None
+    """Return success while nothing moves and a stop is reported or, without reports, sure."""
+    snapshot, described = station.robot.snapshot, station.robot.file.motion
+    is_stopped = snapshot.latch is Latch.HELD and snapshot.open_stop is None
+    if described is not None and described.reports_stop:
+        is_stopped = snapshot.says_stopped
+    return Outcome(Code.DONE, "stopped") if is_stopped and not _may_move(station) else None
 
 
-def _arrived(station: Station, running: Goal | None) -> Outcome | None:
-    """Return the outcome of the goal that ran when the wait began; a refusal if none did."""
-    if running is None:
+def _arrived(station: Station, wanted: Goal | None, left: float = -1.0) -> Outcome | None:
+    """Return the outcome of the goal that ran when the wait began; a refusal if none did.
+
+    It is a success as soon as no more than `left` of its way is left.
+    """
+    if wanted is None:
         return Outcome(Code.REFUSED, "no goal is running")
-    goal = _newest_state_of(station, running)
+    snapshot = station.robot.snapshot
+    known = [goal for goal in (snapshot.goal, *snapshot.history) if goal is not None]
+    goal = next((goal for goal in known if goal.number == wanted.number), None)
     if goal is None:
         return Outcome(Code.REFUSED, "the goal is not known")
-    return goal.outcome_at(station.clock.monotonic())
-
-
-def _left(station: Station, running: Goal | None, number: float) -> Outcome | None:
-    """Return success once that goal has so little of its way left, or its outcome."""
-    if (outcome := _arrived(station, running)) is not None:
-        return outcome
-    goal = None if running is None else _newest_state_of(station, running)
-    if goal is None or goal.remaining is None or goal.remaining > number:
-        return None
-    return Outcome(Code.DONE, remaining_text(goal))
+    outcome = goal.outcome_at(station.clock.monotonic())
+    is_near = goal.remaining is not None and goal.remaining <= left
+    return Outcome(Code.DONE, remaining_text(goal)) if outcome is None and is_near else outcome
 
 
 def _charged(station: Station, number: float) -> Outcome | None:
@@ -162,26 +165,3 @@ def _is_silent(station: Station) -> bool:
 
 def _may_move(station: Station) -> bool:
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
-
-
-def _is_stopped(station: Station) -> bool:
-    """Return True while the robot reports a stop or, without such reports, a STOP surely holds."""
-    snapshot, described = station.robot.snapshot, station.robot.file.motion
-    if described is not None and described.reports_stop:
-        return snapshot.says_stopped
-    return snapshot.latch is Latch.HELD and snapshot.open_stop is None
-
-
-def _is_goal_pointless(station: Station) -> bool:
-    """Return True while the robot is stopped, its battery is empty, or its reports are missing."""
-    names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
-    is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
-        (CONTACT_LOST, BATTERY_EMPTY)
-    )
-    return is_bad or _is_silent(station)
-
-
-def _newest_state_of(station: Station, wanted: Goal) -> Goal | None:
-    snapshot = station.robot.snapshot
-    known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)
-    return next((goal for goal in known if goal.number == wanted.number), None)

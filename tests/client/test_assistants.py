@@ -63,11 +63,16 @@ def station(person: Typed) -> Station:
     return person._plain._station
 
 
-async def allows(person: Typed, number: int = 1) -> None:
-    """A person allows it, once it was read."""
+async def shown(person: Typed, number: int = 1) -> None:
+    """Wait until a request was printed for as long as a person needs to read it."""
     await heard(person, f"(allow {number} or deny {number}, within 60 s)")
     since = seconds()
     await until(lambda: seconds() > since + 1.1)
+
+
+async def allows(person: Typed, number: int = 1) -> None:
+    """A person allows it, once it was read."""
+    await shown(person, number)
     person.type(f"allow {number}\n")
 
 
@@ -580,23 +585,22 @@ async def test_no_motion_without_a_yes_whatever_is_called(
         assert (snapshot.goal, snapshot.history) == (None, ())
 
 
+UNREAD = "failed: allow: read the request first, then answer it in a line of its own"
+
+
 async def test_in_plain_a_person_at_the_terminal_answers() -> None:
-    async with served(at_terminal=True, ros_args=FAST) as person:
-        assistant = await raw()
-        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+    async with at_a_terminal(*FAST) as (person, assistant):
         await asks(assistant)
         await heard(person, "wants: go to shelf 12 (allow 1 or deny 1, within 60 s)")
         person.type("deny 1\n")
         await heard(person, "read the request first")
-        since = seconds()
-        await until(lambda: seconds() > since + 1.1)
+        await shown(person)
         person.type("status\nallow 1\n")  # as a paste comes
         await until(lambda: person.said.count("read the request first") == 2)
         since = seconds()
         await until(lambda: seconds() > since + 0.5)
         person.type("allow 1\n")
         await heard(person, "Arrived at shelf 12")
-        assistant.close()
 
 
 async def test_where_a_program_types_nobody_can_allow_anything() -> None:
@@ -623,40 +627,27 @@ async def test_in_plain_what_stands_behind_an_answer_is_read_first(
         goes_on.wait()
         return reads(of)
 
-    async with served(at_terminal=True) as person:
-        assistant = await raw()
-        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+    async with at_a_terminal() as (person, assistant):
         await asks(assistant)
-        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        await shown(person)
         since = seconds()
-        await until(lambda: seconds() > since + 1.1)
         monkeypatch.setattr(Input, "_read_chunk", chunk)  # from the next on: a terminal gives lines
         person.type(f"allow 1\n{behind}\n")
         await until(lambda: person._plain._input.last_line_timing[0] > since)
         await until(lambda: not person._plain._input._waiting)
         goes_on.set()
-        await heard(
-            person, "failed: allow: read the request first, then answer it in a line of its own"
-        )
+        await heard(person, UNREAD)
         assert "accepted" not in person.said
-        assistant.close()
 
 
 async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    async with served(at_terminal=True) as person:
-        assistant = await raw()
-        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+    async with at_a_terminal() as (person, assistant):
         await asks(assistant)
-        await heard(person, "(allow 1 or deny 1, within 60 s)")
-        since = seconds()
-        await until(lambda: seconds() > since + 1.1)
+        await shown(person)
         with monkeypatch.context() as patch:
             patch.setattr(Output, "is_done", False)  # as after ctrl+s
             person.type("allow 1\n")
-            await heard(
-                person, "failed: allow: read the request first, then answer it in a line of its own"
-            )
+            await heard(person, UNREAD)
         assert "accepted" not in person.said
-        assistant.close()

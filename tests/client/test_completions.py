@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import functools
 import os
 import shlex
 import shutil
@@ -14,8 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.cli import main
-from archo_tui.cli.completion import completion_script
+from archo_tui.cli.completion import fitting
 from archo_tui.console import session
 from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
@@ -36,9 +34,9 @@ ASKED["zsh"] = "print ${_comps[archo-tui]}"
 
 COMPLETED = """
 source completions
-COMP_WORDS=(archo-tui "$@")
-COMP_CWORD=$#
-$(complete -p archo-tui | sed 's/.*-F \\([^ ]*\\).*/\\1/') archo-tui "${COMP_WORDS[COMP_CWORD]}"
+COMP_LINE="archo-tui $*"
+COMP_POINT=${#COMP_LINE}
+_python_argcomplete archo-tui
 printf '%s\\n' "${COMPREPLY[@]}"
 """
 needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
@@ -68,30 +66,21 @@ def run(tmp_path: Path) -> Callable[..., str]:
     return run_it
 
 
-completions_of = functools.cache(completion_script)  # It takes a quarter of a second.
-
-
 @pytest.fixture
 def offered(run: Callable[..., str], tmp_path: Path) -> Callable[..., list[str]]:
     """What bash offers for the last of the words behind `archo-tui`, by the printed script."""
-    (tmp_path / "completions").write_text(completions_of("bash"))
+    (tmp_path / "completions").write_text(run("bash", "archo-tui completions bash"))
     return lambda *words: run("bash", COMPLETED, "bash", *words).split()
 
 
 @pytest.mark.parametrize("shell", LINES)
 def test_one_line_installs_the_completions_of_a_shell(shell: str, run: Callable[..., str]) -> None:
-    for word in ("status", "consoles", "--watch", "--namespace"):
-        assert word.lstrip("-") in completions_of(shell)
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     said = run(shell, f"{BEFORE.get(shell, '')}{LINES[shell]}\n{ASKED[shell]}")
-    assert ("--all" if shell == "fish" else "_archo_tui") in said
+    assert ("--all" if shell == "fish" else "_python_argcomplete") in said
     page = Path(__file__).parents[2] / "docs" / "shell.md"
     assert LINES[shell] in page.read_text(encoding="utf-8")
-
-
-def test_zsh_completes_every_shelf_of_a_line() -> None:
-    assert '"*:Shelf:_archo_tui_ask"' in completions_of("zsh")
 
 
 @needs_bash
@@ -106,7 +95,7 @@ def test_zsh_completes_every_shelf_of_a_line() -> None:
         (("--engine", "r"), ["ros2"]),
         (("launch", "--on-disconnect", ""), ["cancel", "leave"]),
         (("launch", "comp"), ["completions"]),
-        (("check", "--interfaces", ""), ["bin"]),
+        (("check", "--interfaces", ""), ["bin/", "completions"]),
         (("load", "comp"), ["completions"]),
     ],
 )
@@ -143,6 +132,8 @@ async def test_bash_completes_what_the_console_knows_and_leaves_no_event(
         assert await asyncio.to_thread(offered, "go", "--wait", "39") == ["39"]
         assert await asyncio.to_thread(offered, "stop", "") == []
         assert await asyncio.to_thread(offered, "call", "emergency") == ["emergency_stop"]
+        assert await asyncio.to_thread(offered, "disch") == ["discharge"]  # of the robot file
+        assert await asyncio.to_thread(offered, "pub", "--r") == ["--rate"]
         assert person.said == before
         await person.end()
 
@@ -162,8 +153,8 @@ async def test_the_question_of_a_completion_is_never_a_stop(words: tuple[str, ..
 def test_without_a_console_nothing_is_offered_and_nothing_complained(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for words in (["go", ""], ["go", "--to", ""], ["stop", ""], []):
-        assert main(["__complete", *words]) == 0
+    for words in (["go", ""], ["go", "--to", ""], ["stop", ""]):
+        assert fitting(words) == []
     assert capsys.readouterr() == ("", "")
 
 
@@ -171,17 +162,17 @@ def test_without_a_console_nothing_is_offered_and_nothing_complained(
 def test_a_suspended_console_delays_a_completion_by_less_than_a_second() -> None:
     with listening("/"):
         began = clock.seconds()
-        assert main(["__complete", "go", ""]) == 0
+        assert fitting(["go", ""]) == []
         assert clock.seconds() - began < 1
 
 
 @pytest.mark.real_time
 async def test_a_name_that_a_shell_would_run_is_not_offered(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     names = ["$(reboot)", "a b", "`reboot`", "max_speed", "a;reboot", "*"]
     monkeypatch.setattr(session, "candidates", lambda *_: names)
     async with served() as person:
-        await asyncio.to_thread(main, ["__complete", "get", "motor_controller", ""])
+        offered = await asyncio.to_thread(fitting, ["get", "motor_controller", ""])
         await person.end()
-    assert capsys.readouterr().out == "max_speed\n"
+    assert offered == ["max_speed"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -13,14 +12,12 @@ import pytest
 from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
-from archo_tui.robot.state.snapshot import Latch
 from archo_tui.verbs.show import ShowHistory
-from tests.client.test_waits import waited
 from tests.support import clock
 from tests.support.console import FAST
 from tests.support.plain import operated
 from tests.support.shells import said, served, typed
-from tests.support.states import NORMAL, STATES
+from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
 
 
@@ -108,22 +105,3 @@ def test_a_failure_is_one_object_also_without_a_console(
     assert json.loads(line)["code"] == code
     assert json.loads(line)["text"]
     assert (ended.code, ended.err) == (exit_code, "")
-
-
-async def test_wait_stopped_ends_when_the_robot_reports_the_stop() -> None:
-    stopped = STATES["motor stopped"]
-    told = await waited(stopped, "stopped")
-    assert told is not None
-    assert (told.ok, told.text) == (True, "stopped")
-    rolls = stopped._replace(motion=replace(stopped.motion, moving=True))
-    assert await waited(rolls, "stopped") is None
-
-
-async def test_of_a_robot_that_reports_no_stop_the_confirmed_one_counts() -> None:
-    motion = NORMAL.file.motion
-    assert motion is not None
-    types = {name: replace(kind, stopped=None) for name, kind in motion.types.items()}
-    file = replace(NORMAL.file, motion=replace(motion, types=types))
-    mute = NORMAL._replace(file=file, motion=replace(NORMAL.motion, stopped=None))
-    assert await waited(mute, "stopped") is None
-    assert await waited(mute._replace(latch=Latch.HELD), "stopped") is not None

@@ -244,28 +244,22 @@ async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
         await goes_on(person)
 
 
-async def test_giving_up_is_answered_also_when_nothing_is_left_to_give_up() -> None:
-    async with served(ros_args=FAST), guest() as one:
-        assert (await one.ask("wait", "idle"))["code"] == "done"
-        one.send({"give_up": True})
-        assert (await one.result())["text"] == "it had ended"
-
-
-async def test_a_result_tells_of_the_goal_that_was_asked_for() -> None:
+async def test_a_result_and_wait_arrived_tell_of_the_goal_of_the_same_program() -> None:
     async with served(ros_args=FAST), guest() as one, guest() as other:
         one.send({"id": 1, "words": ["go", "12"], "wait": True})
         assert (await one.line())["said"] == "accepted"
         other.send({"id": 1, "words": ["go", "7"], "wait": True})
-        first, second = await one.result(), await other.result()
-        assert (first["data"]["name"], first["data"]["code"]) == ("shelf 12", "arrived")
-        assert (second["data"]["name"], second["data"]["code"]) == ("shelf 7", "arrived")
-
-
-async def test_wait_arrived_is_about_the_goal_that_the_same_program_sent() -> None:
-    async with served(ros_args=FAST), guest() as one:
-        assert (await one.ask("go", "12"))["code"] == "accepted"
-        assert (await one.ask("wait", "idle"))["code"] == "done"
-        assert (await one.ask("wait", "arrived"))["code"] == "arrived"
+        for program, shelf in ((one, 12), (other, 7)):
+            data = (await program.result())["data"]
+            assert (data["name"], data["code"]) == (f"shelf {shelf}", "arrived")
+        for words, code in (
+            ("go 12", "accepted"),
+            ("wait idle", "done"),
+            ("wait arrived", "arrived"),
+        ):
+            assert (await one.ask(*words.split()))["code"] == code
+        one.send({"give_up": True})
+        assert (await one.result())["text"] == "it had ended"
 
 
 async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() -> None:

@@ -21,7 +21,7 @@ from rclpy.node import Node
 
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
-from archo_tui.client import connection, find, sockets
+from archo_tui.client import connection, sockets
 from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
@@ -177,19 +177,16 @@ def test_only_what_was_surely_not_done_counts_as_refused(code: Code, error: type
 
 def test_a_cancel_of_a_goal_that_is_lost_says_that_the_robot_may_move() -> None:
     replies = [{"said": "accepted"}, {"code": "timeout", "text": "goal lost"}]
-    request: Any = SimpleNamespace(
-        replies=lambda: iter(replies), close=lambda: None, give_up=lambda: None
-    )
+    console: Any = SimpleNamespace(close=lambda: None, give_up=lambda: None)
     with pytest.raises(Unconfirmed, match="goal lost"):
-        GoalHandle(request).cancel()
+        GoalHandle(console, iter(replies)).cancel()
 
 
 def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
     replies = [{"said": "go to shelf 12: accepted"}, {"code": "aborted", "text": "it slipped"}]
-    request: Any = SimpleNamespace(replies=lambda: iter(replies), close=lambda: None)
-    handle = GoalHandle(request)
+    console: Any = SimpleNamespace(close=lambda: None)
+    handle = GoalHandle(console, iter(replies))
     assert handle._has_ended.wait(DEADLINE)
-    handle._wait_until_accepted()
     with pytest.raises(Aborted, match="it slipped"):
         handle.wait()
 
@@ -260,8 +257,8 @@ async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_cal
 
 REPL = """
 import json, signal, sys, threading, archo_tui
-from archo_tui.client import robot, find
-robot._SILENCE = find.WAKE_TIMEOUT = 1.0
+from archo_tui.client import connection, find
+connection._SILENCE = find.WAKE_TIMEOUT = 1.0
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
 robot = archo_tui.connect()
 for line in sys.stdin:
@@ -426,20 +423,23 @@ async def test_what_is_sent_after_its_time_is_not_sent() -> None:
 
 async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[float] = []
-    reach = find.reach
+    reach = connection.reach
 
     def reached(path: str, within: float = 1.0) -> Any:
         asked.append(within)
         if len(asked) > 2:
-            raise connection.Unreached("the console of pid 7 does not answer: is it suspended?")
+            raise Unreached("the console of pid 7 does not answer: is it suspended?")
         return reach(path, DEADLINE)
 
     async with driving() as (person, robot, goal):
-        monkeypatch.setattr(robots, "_SILENCE", 1.5)  # The goal reports more often.
-        monkeypatch.setattr(find, "reach", reached)
+        monkeypatch.setattr(connection, "_SILENCE", 1.5)  # The goal reports more often.
+        for module in (connection, robots):
+            monkeypatch.setattr(module, "reach", reached)
         with pytest.raises(Unreached, match="is it suspended"):
             await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
         assert asked == [1.0, 1.5, 1.5]  # while it answers, it is waited for
+        shell = await typed("wait", "battery", "100")
+        assert (shell.code, "is it suspended?" in shell.err) == (3, True)
         assert not goal.done()  # it reports
         await asyncio.to_thread(goal.cancel)
         await heard(person, "CANCELLED")

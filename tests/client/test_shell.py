@@ -125,8 +125,7 @@ def test_where_there_are_no_such_sockets_it_is_said(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
-    script = Script(*SLOW)
-    try:
+    with Script(*SLOW) as script:
         script.ready()
         shell = client("go", "12", "7", "--wait")
         script.until("MOVING to 12")
@@ -138,23 +137,14 @@ def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
             assert "Cancelled" in err
         script.type("status\n")
         assert "shelf 7" not in script.said
-    finally:
-        script.close()
-
-
-def moving(*words: str) -> tuple[Script, subprocess.Popen[str]]:
-    """A console, and a shell whose goal runs."""
-    script = Script(*SLOW, fresh=True)  # it may be suspended
-    script.ready()
-    shell = client(*words)
-    script.until("MOVING to 12")
-    return script, shell
 
 
 @pytest.mark.parametrize("again", [False, True], ids=["once", "twice"])
 def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None:
-    script, shell = moving("go", "12", "--wait")
-    try:
+    with Script(*SLOW, fresh=True) as script:  # it is suspended
+        script.ready()
+        shell = client("go", "12", "--wait")
+        script.until("MOVING to 12")
         script.signal(signal.SIGSTOP)
         shell.send_signal(signal.SIGINT)
         if again:
@@ -163,23 +153,17 @@ def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None
             shell.send_signal(signal.SIGTERM)
         _, err = shell.communicate(timeout=4.0)
         assert "Traceback" not in err
-        if again:
-            assert shell.returncode == -signal.SIGTERM
-        else:
-            assert shell.returncode == 130
-            assert "the console does not answer; the robot may still be moving" in err
+        assert shell.returncode == (-signal.SIGTERM if again else 130)
+        assert again or "the console does not answer; the robot may still be moving" in err
         script.signal(signal.SIGCONT)
         script.until("CANCELLED")
-    finally:
-        script.close()
 
 
 @pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
 def test_what_asks_is_answered_at_the_callers_terminal(
     typed: str, code: int, terminals: list[Terminal]
 ) -> None:
-    script = Script(*SLOW)
-    try:
+    with Script(*SLOW) as script:
         script.type("stop\n")
         script.until("STOP: confirmed")
         terminal = Terminal("release", domain=script.domain)
@@ -188,15 +172,12 @@ def test_what_asks_is_answered_at_the_callers_terminal(
         terminal.write(typed)
         assert terminal.exit_code() == code
         assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
-    finally:
-        script.close()
 
 
 def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
     terminals: list[Terminal],
 ) -> None:
-    script = Script(*SLOW)
-    try:
+    with Script(*SLOW) as script:
         script.ready()
         script.type("go 12\n")
         script.until("MOVING to 12")
@@ -206,8 +187,6 @@ def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_en
         script.type("cancel\n")
         terminal.until("archo-tui: reset: the goal that was asked about has ended")
         assert terminal.exit_code() == 1
-    finally:
-        script.close()
 
 
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
@@ -241,15 +220,14 @@ async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
 
 
 def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
-    script = Script(*SLOW, fresh=True)  # it may be suspended
-    script.ready()
-    shell = client("go", "12", "--wait")
-    script.until("MOVING to 12")
-    script.signal(signal.SIGKILL)
-    _, err = shell.communicate(timeout=DEADLINE)
+    with Script(*SLOW, fresh=True) as script:
+        script.ready()
+        shell = client("go", "12", "--wait")
+        script.until("MOVING to 12")
+        script.signal(signal.SIGKILL)
+        _, err = shell.communicate(timeout=DEADLINE)
     assert shell.returncode == 3
     assert "the console is gone; the robot may still be moving" in err
-    script.close()
 
 
 @pytest.mark.parametrize("how", ["--wait", "killed"])

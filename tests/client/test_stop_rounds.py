@@ -18,7 +18,7 @@ import pytest
 
 import archo_tui
 from archo_tui.client import shell, sockets
-from archo_tui.client.connection import Unreached
+from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ConsoleConnection
 from archo_tui.client.robot import Robot
 from tests.support.night import corners
@@ -110,7 +110,7 @@ class Rounds:
             link = ConsoleConnection("")
             with contextlib.suppress(Unreached):
                 await link.stop()
-            await link.close()
+            link.close()
 
         asyncio.run(call())
 

@@ -21,7 +21,7 @@ from archo_tui.console.typing import Input
 from archo_tui.station.station import Station
 from tests.support.console import FAST, LONG, console
 from tests.support.night import corners
-from tests.support.shells import heard, own_socket, raw, served, typed, until
+from tests.support.shells import heard, own_socket, served, typed, until
 
 pytestmark = pytest.mark.real_time
 
@@ -290,19 +290,6 @@ async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
             assert (await typed("cancel")).code == 0
             await heard(person, f"failed: reset: {ENDED}")
         await heard(person, "motor_controller up")
-
-
-async def test_a_question_about_a_goal_closes_in_a_program_once_that_has_ended() -> None:
-    async with served(ros_args=LONG) as person:
-        client = await raw()
-        await client.ask("go", "12")
-        await heard(person, "MOVING to 12")
-        client.send({"id": 1, "words": ["reset"], "person": True})
-        assert "Reset encoder now?" in (await client.line())["ask"]
-        assert (await typed("cancel")).code == 0
-        result = await client.result()
-        assert (result["code"], result["text"]) == ("refused", ENDED)
-        client.close()
 
 
 async def test_a_question_about_a_goal_closes_on_the_screen_once_that_has_ended() -> None:

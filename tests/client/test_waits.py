@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import TIMEOUT
 from tests.support.states import NORMAL, STATES
@@ -69,3 +69,22 @@ async def test_a_robot_that_moves_without_a_goal_or_is_silent_is_not_idle(
     assert await waited(moved, "idle") is None
     if "received" in motion:
         assert await waited(moved, "ready") is None
+
+
+async def test_wait_stopped_ends_when_the_robot_reports_the_stop() -> None:
+    stopped = STATES["motor stopped"]
+    told = await waited(stopped, "stopped")
+    assert told is not None
+    assert (told.ok, told.text) == (True, "stopped")
+    rolls = stopped._replace(motion=replace(stopped.motion, moving=True))
+    assert await waited(rolls, "stopped") is None
+
+
+async def test_of_a_robot_that_reports_no_stop_the_confirmed_one_counts() -> None:
+    motion = NORMAL.file.motion
+    assert motion is not None
+    types = {name: replace(kind, stopped=None) for name, kind in motion.types.items()}
+    file = replace(NORMAL.file, motion=replace(motion, types=types))
+    mute = NORMAL._replace(file=file, motion=replace(NORMAL.motion, stopped=None))
+    assert await waited(mute, "stopped") is None
+    assert await waited(mute._replace(latch=Latch.HELD), "stopped") is not None

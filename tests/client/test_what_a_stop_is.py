@@ -88,7 +88,7 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
             assert not told.is_error
             assert told.structured_content["summary"].endswith("is ignored: STOP takes nothing.")
             await stopped(console)
-            await link.close()
+            link.close()
         capsys.readouterr()
         await asyncio.to_thread(main, ["stop", "now", "please"])
         assert capsys.readouterr().err == "archo-tui: stop: ignored: now please\nconfirmed\n"

@@ -19,7 +19,6 @@ import pytest
 
 import archo_tui
 from archo_tui.client import find, shell, sockets
-from archo_tui.client.connection import Unreached as NotReached
 from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ConsoleConnection
 from archo_tui.client.mcp.server import make_server
@@ -125,7 +124,7 @@ def asked_of(tool: str) -> int:
         try:
             return bool((await make_server(link, goals=False).call_tool(tool, {})).is_error)
         finally:
-            await link.close()
+            link.close()
 
     return 3 if asyncio.run(ask()) else 0
 
@@ -362,9 +361,9 @@ async def test_an_engine_and_a_domain_that_are_named_choose() -> None:
                 if now > was
             ] == at
         for asked in ({"engine": "ros2", "domain": 6}, {"engine": "embedded", "to": "/b"}):
-            with pytest.raises(NotReached):
+            with pytest.raises(Unreached):
                 await asyncio.to_thread(find.stop, asked, print)
-            with pytest.raises(NotReached):
+            with pytest.raises(Unreached):
                 await asyncio.to_thread(find.choose, asked)
 
 
@@ -481,12 +480,9 @@ async def test_the_card_of_a_console_is_its_hello() -> None:
 
 @contextmanager
 def begun(*words: str) -> Iterator[Script]:
-    script = Script(*words, *SLOW, fresh=True)  # it may be suspended
-    try:
+    with Script(*words, *SLOW, fresh=True) as script:  # it may be suspended
         script.ready()
         yield script
-    finally:
-        script.close()
 
 
 @pytest.fixture

@@ -107,13 +107,10 @@ async def test_the_oldest_lines_are_left_out_and_never_a_part_of_one() -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is looked up in /proc")
 @pytest.mark.parametrize("line", corners(["y"], ["stop"]))
 def test_memory_is_bounded_whatever_is_typed_without_end(line: str) -> None:
-    script = Script(fresh=True)
-    try:
+    with Script(fresh=True) as script:
         script.type("reset\n")
         script.until_done("Encoder reset")
         before = script.memory
         for _ in range(12):
             script.type(f"{line}\n" * (100_000 // len(line)))
         assert script.memory - before < 20_000_000
-    finally:
-        script.close()

@@ -295,17 +295,6 @@ async def test_a_stop_that_is_refused_late_is_said() -> None:
         await person.until("STOP, answered late: REFUSED")
 
 
-async def test_a_stop_does_not_wait_for_the_answer_to_the_one_before_it() -> None:
-    brakes: list[Brake] = []
-    async with operated(making(brakes, Brake, "brake", "nothing")) as person:
-        person.type("stop\n")
-        await until(lambda: brakes and brakes[0].asked)
-        before = brakes[0].asked
-        person.type("stop\n")
-        await in_no_time(lambda n: brakes[0].asked == n, before + 1)  # else in 2 s
-        assert await person.end() == 1
-
-
 async def test_the_answer_to_a_later_stop_may_come_first() -> None:
     async with operated() as person:
         plain = person._plain

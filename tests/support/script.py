@@ -101,6 +101,12 @@ class Script:
         """The exit code, without reading what it still wants to say."""
         return self._process.wait(seconds)
 
+    def __enter__(self) -> Script:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         """Leave nothing behind."""
         self._process.kill()

@@ -65,43 +65,34 @@ async def test_only_a_yes_at_a_terminal_does_it() -> None:
         assert set(robot.told) == {"release_emergency_stop"}
 
 
-async def test_the_end_of_the_input_is_no_answer() -> None:
+VOID = "failed: release: not sent: STOP came after it"
+
+
+@pytest.mark.parametrize(
+    ("typed", "said", "then", "told"),
+    [
+        ("", "", NOT_DONE, []),  # The end of the input.
+        ("", "reset\n", NOT_DONE, ["command"]),  # Another verb is done.
+        ("y\nstop\n", "", VOID, ["emergency_stop"]),
+        ("stop\n", "release\ny\n", VOID, ["emergency_stop", "release_emergency_stop"]),
+    ],
+)
+async def test_what_is_no_yes_releases_nothing(
+    typed: str, said: str, then: str, told: list[str]
+) -> None:
     robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
-        assert await person.end() == 1
-        assert "failed: release: not done: the answer was not yes" in person.said
-        assert robot.told == []
-
-
-async def test_another_verb_is_no_answer_and_is_done() -> None:
-    robot = RecordingRobot(STATES["motor stopped"])
-    async with at_terminal(robot) as person:
-        await asked(person, "release", QUESTION)
-        assert await person.end("reset\n") == 1
-        assert "failed: release: not done" in person.said
-        assert robot.told == ["command"]
-
-
-async def test_a_stop_closes_an_open_question_at_once() -> None:
-    robot = RecordingRobot(STATES["motor stopped"])
-    async with at_terminal(robot) as person:
-        await asked(person, "release", QUESTION)
-        person.type("stop\n")
-        await person.until("failed: release: not sent: STOP came after it")
-        await asked(person, "release", QUESTION)
-        assert await person.end("y\n") == 1
-        assert robot.told == ["emergency_stop", "release_emergency_stop"]
-
-
-async def test_an_answer_typed_before_a_stop_is_void_too() -> None:
-    robot = RecordingRobot(STATES["motor stopped"])
-    async with at_terminal(robot) as person:
-        await asked(person, "release", QUESTION)
-        person.type("y\nstop\n")
-        await person.until("failed: release: not sent: STOP came after it")
-        assert await person.end() == 1
-        assert robot.told == ["emergency_stop"]
+        if typed:
+            person.type(typed)
+            await person.until(then)
+        first, *more = said.splitlines(keepends=True) or [""]
+        for line in more:
+            await asked(person, first.strip(), f"{QUESTION}\n")
+            first = line
+        assert await person.end(first) == 1
+        assert then in person.said
+        assert robot.told == told
 
 
 @pytest.mark.parametrize(

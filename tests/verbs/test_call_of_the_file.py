@@ -73,62 +73,51 @@ def test_it_is_the_verb_that_the_file_names(line: str, verb: str) -> None:
 
 
 @pytest.mark.pure
-@pytest.mark.parametrize(
-    ("name", "verb"),
-    [
-        ("reset_encoder", "reset"),
-        ("north/reset_encoder", "reset"),
-        ("/north/reset_encoder", "reset"),
-        ("/reset_encoder", "call /reset_encoder"),  # another robot's
-    ],
-)
-def test_a_name_means_this_robot_unless_it_says_another(name: str, verb: str) -> None:
+def test_a_name_means_this_robot_unless_it_says_another() -> None:
     services = {f"{place}/reset_encoder": ("std_srvs/srv/Trigger",) for place in ("", "/north")}
-    assert chosen(f"call {name}", "/north", services=services) == verb
-
-
-@pytest.mark.pure
-def test_two_commands_on_one_service_are_asked_which() -> None:
-    twin = CommandService(id="zero", title="Zero", service="/reset_encoder")
-    file = replace(ARCHO, commands=(*ARCHO.commands, twin))
-    said = chosen("call reset_encoder", file=file)
-    assert said == "/reset_encoder is called by several: type reset or zero"
+    for name in ("reset_encoder", "north/reset_encoder", "/north/reset_encoder"):
+        assert chosen(f"call {name}", "/north", services=services) == "reset"
+    another = "call /reset_encoder"
+    assert chosen(another, "/north", services=services) == another
 
 
 LATCH = StopServices("emergency_stop")
 E_STOP = StopServices("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False})
 
 
+E_STOP_NEEDS = "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"
+ONLY_STOPS = StopServices("e_stop", {"data": True})
+TWIN = CommandService(id="zero", title="Zero", service="/reset_encoder")
+
+
 @pytest.mark.pure
 @pytest.mark.parametrize(
-    ("line", "verb"),
+    ("line", "stop", "verb"),
     [
-        ("call e_stop e_stop_on=true", "stop"),
-        ('call /e_stop {"e_stop_on":true}', "stop"),
-        ("call e_stop e_stop_on=true --yes", "stop"),
-        ("call e_stop e_stop_on=false", "release"),
-        ("call e_stop --yes e_stop_on=no", "release --yes"),
-        ("call e_stop", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
-        ("call e_stop {}", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
-        ("call e_stop e_stop_on=maybe", "e_stop_on: not true or false: maybe"),
-        ("call e_stop on=true", "/e_stop: expected e_stop_on=..., not on=true"),
+        ("call e_stop e_stop_on=true", E_STOP, "stop"),
+        ('call /e_stop {"e_stop_on":true}', E_STOP, "stop"),
+        ("call e_stop e_stop_on=true --yes", E_STOP, "stop"),
+        ("call e_stop e_stop_on=false", E_STOP, "release"),
+        ("call e_stop --yes e_stop_on=no", E_STOP, "release --yes"),
+        ("call e_stop", E_STOP, E_STOP_NEEDS),
+        ("call e_stop {}", E_STOP, E_STOP_NEEDS),
+        ("call e_stop e_stop_on=maybe", E_STOP, "e_stop_on: not true or false: maybe"),
+        ("call e_stop on=true", E_STOP, "/e_stop: expected e_stop_on=..., not on=true"),
         (
-            "call e_stop e_stop_on=false e_stop_on=true",
+            *("call e_stop e_stop_on=false e_stop_on=true", E_STOP),
             "/e_stop: expected e_stop_on=..., not e_stop_on=true",
         ),
+        ("call e_stop data=true", ONLY_STOPS, "stop"),
+        ("call e_stop data=false", ONLY_STOPS, "/e_stop needs data=true (stop)"),
+        ("call e_stop", ONLY_STOPS, "/e_stop needs data=true (stop)"),
+        ("call reset_encoder", LATCH, "/reset_encoder is called by several: type reset or zero"),
     ],
 )
-def test_the_request_says_whether_one_service_stops_or_releases(line: str, verb: str) -> None:
-    file = replace(ARCHO, stop=E_STOP)
-    assert chosen(line, file=file) == verb
-
-
-@pytest.mark.pure
-def test_a_request_that_only_stops_is_never_sent_otherwise() -> None:
-    file = replace(ARCHO, stop=StopServices("e_stop", {"data": True}))
-    assert chosen("call e_stop data=true", file=file) == "stop"
-    assert chosen("call e_stop data=false", file=file) == "/e_stop needs data=true (stop)"
-    assert chosen("call e_stop", file=file) == "/e_stop needs data=true (stop)"
+def test_the_request_says_which_of_several_verbs_is_meant(
+    line: str, stop: StopServices, verb: str
+) -> None:
+    commands = (*ARCHO.commands, TWIN)
+    assert chosen(line, file=replace(ARCHO, stop=stop, commands=commands)) == verb
 
 
 async def test_a_release_asks_and_what_it_answers_is_told() -> None:
@@ -143,23 +132,28 @@ async def test_a_release_asks_and_what_it_answers_is_told() -> None:
         assert "YOU console: release stop: Released; nothing resumes by itself" in person.said
 
 
-CALLS_OF_STOP = [
-    ["call", "emergency_stop"],
-    ["call", "north/emergency_stop", "x=1"],
-    ["call", "/north/emergency_stop", "--help", "now"],
-    ["call", "--yes", "emergency_stop"],
-]
-CALLS_OF_OTHERS = [
-    ["call", "/emergency_stop"],  # another robot's, perhaps
-    ["call", "emergency_stop", "--help"],
-    ["call", "--help", "emergency_stop"],
-    ["call", "stop"],
-    ["call"],
-    ["params", "emergency_stop"],
+CALLS = [  # Words, the STOP of the file, and whether they are one.
+    ("call emergency_stop", LATCH, True),
+    ("call north/emergency_stop x=1", LATCH, True),
+    ("call /north/emergency_stop --help now", LATCH, True),
+    ("call --yes emergency_stop", LATCH, True),
+    ("call /emergency_stop", LATCH, False),  # another robot's, perhaps
+    ("call emergency_stop --help", LATCH, False),
+    ("call --help emergency_stop", LATCH, False),
+    ("call stop", LATCH, False),
+    ("call", LATCH, False),
+    ("params emergency_stop", LATCH, False),
+    ("call e_stop e_stop_on=true", E_STOP, True),
+    ("call north/e_stop e_stop_on=yes", E_STOP, True),
+    ("call --yes e_stop e_stop_on=true", E_STOP, True),
+    ("call e_stop e_stop_on=false", E_STOP, False),
+    ("call e_stop", E_STOP, False),
+    ("call e_stop --help", E_STOP, False),
+    ("call e_stop e_stop_on=", E_STOP, False),
 ]
 
 
-def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
+def read_as_stop(words: list[str], stop: StopServices) -> set[bool]:
     """Which of the three that read lines take these words for a STOP."""
     stops = Stops()
     stops.set_service(stop, f"/north/{stop.service}")
@@ -172,32 +166,11 @@ def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
 
 
 @pytest.mark.pure
-@pytest.mark.parametrize("words", CALLS_OF_STOP, ids=" ".join)
-def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(words: list[str]) -> None:
-    assert read_as_stop(words) == {True}
-
-
-@pytest.mark.pure
-@pytest.mark.parametrize(
-    ("words", "is_stop"),
-    [
-        ("call e_stop e_stop_on=true", True),
-        ("call north/e_stop e_stop_on=yes", True),
-        ("call --yes e_stop e_stop_on=true", True),
-        ("call e_stop e_stop_on=false", False),
-        ("call e_stop", False),
-        ("call e_stop --help", False),
-        ("call e_stop e_stop_on=", False),
-    ],
-)
-def test_a_call_with_the_stops_request_is_a_stop_as_it_is_read(words: str, is_stop: bool) -> None:
-    assert read_as_stop(words.split(), E_STOP) == {is_stop}
-
-
-@pytest.mark.pure
-@pytest.mark.parametrize("words", CALLS_OF_OTHERS, ids=" ".join)
-def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
-    assert read_as_stop(words) == {False}
+@pytest.mark.parametrize(("words", "stop", "is_stop"), CALLS)
+def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(
+    words: str, stop: StopServices, is_stop: bool
+) -> None:
+    assert read_as_stop(words.split(), stop) == {is_stop}
 
 
 @pytest.mark.pure

@@ -50,6 +50,7 @@ def offered(*words: str, snapshot: Snapshot = KNOWN) -> list[str]:
         (("lifecycle", "any", "act"), ["activate"]),
         (("wait", "i"), ["idle"]),
         (("stop", ""), []),
+        (("cancel", "--a"), ["--all"]),
         (("jump", ""), []),
     ],
 )
@@ -59,16 +60,9 @@ def test_a_word_is_offered_that_the_console_would_take(
     assert offered(*words) == wanted
 
 
-@pytest.mark.parametrize(
-    ("words", "wanted"),
-    [
-        (("go", ""), [str(shelf) for shelf in range(1, 13)]),
-        (("go", "12", "1"), ["1", "10", "11", "12"]),
-        (("go", "13"), []),
-    ],
-)
-def test_the_shelves_are_offered_that_the_robot_reports(
-    words: tuple[str, ...], wanted: list[str]
-) -> None:
-    assert offered(*words, snapshot=NORMAL._replace(parameters=(SHELVES,))) == wanted
-    assert offered(*words, snapshot=NORMAL._replace(parameters=())) == []
+def test_the_shelves_are_offered_that_the_robot_reports() -> None:
+    shelves = NORMAL._replace(parameters=(SHELVES,))
+    assert offered("go", "", snapshot=shelves) == [str(shelf) for shelf in range(1, 13)]
+    assert offered("go", "12", "1", snapshot=shelves) == ["1", "10", "11", "12"]
+    assert offered("go", "13", snapshot=shelves) == []
+    assert offered("go", "", snapshot=NORMAL._replace(parameters=())) == []

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,20 @@ def hearing(heard: list[Any], kind: Any = String) -> Callable[..., Node]:
     return lambda **options: Hearing(heard, kind, **options)
 
 
+@asynccontextmanager
+async def publishing(
+    line: str = "", *makers: Any, kind: Any = String, **options: Any
+) -> AsyncIterator[tuple[Typed, list[Any]]]:
+    """A console, and what is heard on `words`; with a line it publishes there already."""
+    heard: list[Any] = []
+    async with operated(hearing(heard, kind), *makers, **options) as person:
+        await is_seen(person)
+        if line:
+            person.type(f"pub words {line}\n")
+            await until(lambda: len(heard) > 3)
+        yield person, heard
+
+
 async def typed(person: Typed, line: str, said: str) -> None:
     person.type(f"{line}\n")
     await person.until(said)
@@ -83,14 +98,9 @@ def test_a_rate_or_a_number_of_times_that_is_none_is_refused(number: str) -> Non
         Publish().values(["words", *number.split()])
 
 
-@pytest.mark.parametrize(
-    ("rate", "times", "found"),
-    [(1.0, 1, (1.0, 1)), (5, None, (5.0, None)), (None, 3, (1.0, 3)), (None, None, (1.0, 1))],
-)
-def test_a_form_and_a_line_mean_the_same_by_a_rate_and_times(
-    rate: Any, times: Any, found: tuple[float, int | None]
-) -> None:
-    assert frequency(rate, times) == found
+def test_a_form_and_a_line_mean_the_same_by_a_rate_and_times() -> None:
+    for rate, times, found in ((1.0, 1, (1.0, 1)), (5, None, (5.0, None)), (None, 3, (1.0, 3))):
+        assert frequency(rate, times) == found
 
 
 def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
@@ -101,9 +111,7 @@ def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
 
 
 async def test_cancel_all_cancels_every_goal_also_while_something_is_published() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard), MotorController) as person:
-        await is_seen(person)
+    async with publishing("", MotorController) as (person, heard):
         station = person._plain._station
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         person.type("pub words data=x --rate 10 --yes\n")
@@ -114,9 +122,7 @@ async def test_cancel_all_cancels_every_goal_also_while_something_is_published()
 
 
 async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard)) as person:
-        await is_seen(person)
+    async with publishing() as (person, heard):
         await typed(person, "pub words data=no", "This may move the robot. Publish to /words")
         await typed(person, "pub words data=one --yes", "pub words: published; 1 subscriber\n")
         await until(lambda: heard == ["one"])
@@ -155,9 +161,7 @@ async def test_subscribers_that_get_nothing_are_counted_apart() -> None:
 
 
 async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard), at_terminal=True) as person:
-        await is_seen(person)
+    async with publishing(at_terminal=True) as (person, heard):
         station = person._plain._station
         await typed(person, "pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
         await until(lambda: len(heard) > 3)
@@ -179,11 +183,7 @@ def test_two_publications_of_one_topic_are_one_row() -> None:
 
 
 async def test_in_a_pipe_a_cancel_ends_it() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard)) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 10 --yes\n")
-        await until(lambda: len(heard) > 2)
+    async with publishing("data=x --rate 10 --yes") as (person, _heard):
         person.type("cancel\nnodes\n")
         await person.until("pub words: ended after")
         await person.until("hearing up")
@@ -191,11 +191,7 @@ async def test_in_a_pipe_a_cancel_ends_it() -> None:
 
 
 async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard), MotorController) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 50 --yes\n")
-        await until(lambda: len(heard) > 3)
+    async with publishing("data=x --rate 50 --yes", MotorController) as (person, heard):
         person.type("stop\n")
         await person.until("STOP: confirmed")
         await person.until("failed: pub: ended by STOP after")
@@ -209,11 +205,7 @@ async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> 
 
 
 async def test_the_end_of_the_console_ends_it() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard)) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 50 --yes\n")
-        await until(lambda: len(heard) > 3)
+    async with publishing("data=x --rate 50 --yes") as (person, _heard):
         robot = person._plain._station.robot
         await robot.stop_sending_goals()
         assert robot.publications.active == ()
@@ -228,11 +220,7 @@ async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_
     file = tmp_path / "robot.yaml"
     text = load.default_path().read_text(encoding="utf-8")
     file.write_text(f"{text}\ntopics:\n  - {{topic: words, moves: false}}\n")
-    heard: list[str] = []
-    async with operated(hearing(heard), MotorController, robot=file) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 10\n")
-        await until(lambda: len(heard) > 2)
+    async with publishing("data=x --rate 10", MotorController, robot=file) as (person, heard):
         person.type("stop\n")
         await person.until("STOP: confirmed")
         count = len(heard)
@@ -241,11 +229,7 @@ async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_
 
 async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
     geometry = pytest.importorskip("geometry_msgs.msg")
-    heard: list[float] = []
-    async with operated(hearing(heard, geometry.Twist)) as person:
-        await is_seen(person)
-        person.type("pub words linear.x=0.5 --rate 20 --yes\n")
-        await until(lambda: len(heard) > 3)
+    async with publishing("linear.x=0.5 --rate 20 --yes", kind=geometry.Twist) as (person, heard):
         person.type("cancel\n")
         await until(lambda: heard[-1] == 0.0)
         assert set(heard[:-1]) == {0.5}
@@ -254,11 +238,7 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
 
 
 async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
-    heard: list[str] = []
-    async with operated(hearing(heard)) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 50 --yes\n")
-        await until(lambda: len(heard) > 3)
+    async with publishing("data=x --rate 50 --yes") as (person, heard):
         (publication,) = person._plain._station.robot.publications.active
         publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
         await person.until("failed: pub: ended by a pause of the console after")
@@ -283,9 +263,7 @@ async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(Publisher, "get_subscription_count", lambda _: 0)
-    heard: list[str] = []
-    async with operated(hearing(heard)) as person:
-        await is_seen(person)
+    async with publishing() as (person, heard):
         station = person._plain._station
         person.type("pub words data=x --yes\n")
         await until(lambda: station.robot.publications.active)

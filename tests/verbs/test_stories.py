@@ -148,14 +148,12 @@ async def test_a_file_that_cannot_be_used_is_one_line(here: Path) -> None:
         assert f" failed: {line.split()[0]}: {said}" in told
 
 
-async def test_nodes_are_listed_halted_started_and_copied() -> None:
-    code, said = await plain(
-        "halt battery_monitor\nnodes\nstart battery_monitor\ncopy motor_controller --yes\n"
-    )
+async def test_nodes_are_listed_halted_and_started() -> None:
+    code, said = await plain("halt battery_monitor\nnodes\nstart battery_monitor\n")
     assert code == 0, said
     assert "battery_monitor stopped by you (in this process)\n" in said
     assert "motor_controller up (in this process)\n" in said
-    for done in ("stop /battery_monitor", "start /battery_monitor", "copy /motor_controller"):
+    for done in ("stop /battery_monitor", "start /battery_monitor"):
         assert f"YOU console: {done}: " in said
 
 

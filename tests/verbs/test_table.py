@@ -16,6 +16,7 @@ from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Hosted, OpenStop, Snapshot
 from archo_tui.verbs import verbs
+from archo_tui.verbs.nodes import DuplicateNode
 from tests.support import clock
 from tests.support.archo import ARCHO, FORMS
 from tests.support.clock import NOW
@@ -39,7 +40,7 @@ SITUATIONS: dict[str, Snapshot] = {
 # what is typed behind a verb that takes values
 WORDS = {
     "go": "12", "set": "motor_controller max_speed 0.5", "get": "motor_controller max_speed",
-    "start": "motor_controller", "halt": "motor_controller", "copy": "motor_controller",
+    "start": "motor_controller", "halt": "motor_controller",
     "save": "/dev/null/x", "load": "/dev/null/x", "shelve": "stopped", "ack": "",
     "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
     "pub": "/battery_drain", "go_list": "round", "save_place": "here 1", "save_queue": "round",
@@ -97,7 +98,7 @@ async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
         app.main.nodes.rows.cursor = 0
         for command in COMMANDS:
             for verb in command.verbs:
-                if verb in WORDS and verb not in ("go", "copy", "halt", "start"):
+                if verb in WORDS and verb not in ("go", "halt", "start"):
                     continue
                 asked.clear()
                 found[verb] = _answer(app, command, verb, asked)
@@ -138,7 +139,7 @@ async def test_a_key_and_a_line_are_refused_and_asked_alike(situation: str, watc
     keys = await by_key(snapshot, watching)
     compared = 0
     for verb, said in keys.items():
-        if verb == "stop" or verb in ("start", "halt", "copy", "go"):
+        if verb == "stop" or verb in ("start", "halt", "go"):
             continue  # STOP always_tried; those of a node are asked of a real one elsewhere
         line = await by_line(snapshot, watching, verb)
         assert line.removesuffix(" (add --yes to do it)") == said, verb
@@ -159,13 +160,15 @@ async def test_whoever_only_watches_does_nothing() -> None:
 async def test_a_node_is_asked_for_alike_by_key_and_line() -> None:
     station = stub_station(Willing(goal(Phase.MOVING)), clock.current or Clock(), (MOTOR,))
     async with typing(station) as person:
-        person.type("halt motor_controller\ncopy /motor_controller\nhalt motor_contoller\nhelp\n")
+        person.type("halt motor_controller\nhalt motor_contoller\nhelp\n")
         await person.until("List these")
     assert (
         "failed: halt: The robot is on its way to shelf 12, and /motor_controller serves "
         "move_to_shelf and emergency_stop. Stop the node? (add --yes to do it)"
     ) in person.said
-    assert "a call reaches both, and both act. STOP must then be confirmed by both." in person.said
+    copied = DuplicateNode().question(station, {"node": MOTOR.name})
+    assert copied is not None
+    assert "a call reaches both, and both act. STOP must then be confirmed" in copied.text
     assert "motor_contoller does not run in this process (nearest: motor_controller)" in person.said
 
 

@@ -22,7 +22,7 @@ from mcp_types import Tool as ListedTool
 from pydantic import Field, StrictInt, ValidationError
 
 from archo_tui import __version__
-from archo_tui.client.connection import Unreached
+from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ANSWER_TIMEOUT, ConsoleConnection
 from archo_tui.robot.messages.values import fits_an_integer
 from archo_tui.robot.stop.words import is_stop_text
@@ -87,7 +87,7 @@ async def _serve(goals: bool, to: str) -> None:
     try:
         await make_server(connection, goals=goals).run_stdio_async()
     finally:
-        await connection.close()
+        connection.close()
 
 
 def make_server(connection: ConsoleConnection, *, goals: bool) -> RobotServer:
