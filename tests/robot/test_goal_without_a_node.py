@@ -124,7 +124,9 @@ async def test_a_copy_that_is_halted_takes_no_goal_of_the_other_one_along() -> N
     async with operated(ros_args=LONG) as person:
         person.type("go 12\n")
         await person.until("m left of")
-        person.type("copy motor_controller --yes\nhalt motor_controller_2 --yes\nnodes\n")
+        host = person._plain._station.host
+        assert (await asyncio.to_thread(host.copy_node, "/motor_controller")).ok
+        person.type("halt motor_controller_2 --yes\nnodes\n")
         await person.until("motor_controller_2 stopped")
         goal = person._plain._robot.snapshot.goal
         assert goal is not None
