@@ -19,7 +19,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
 from archo_tui.robot.state.graph import TOPIC, TopicInfo
-from archo_tui.robot.state.topic import (
+from archo_tui.robot.topics.rows import (
     SHOWN_ELEMENTS,
     FieldKind,
     FieldView,

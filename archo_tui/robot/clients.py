@@ -1,8 +1,4 @@
-"""The clients of the robot: who requests something here, other consoles, and other programs.
-
-The consoles of a robot find each other by the names of their nodes. What none of them reports to
-have done, another client did.
-"""
+"""The clients of the robot: who requests something here, other consoles, and other programs."""
 
 from __future__ import annotations
 
@@ -75,11 +71,7 @@ _numbers = itertools.count(1)
 
 
 def new_node_name() -> str:
-    """Return a new name for a console's node: `_archo_console_anna_lab_4711` (user, host, process).
-
-    The second name in one process ends with `_2`, and so on. Other characters than letters, digits
-    and `_` become `_`; at most 200 characters are kept.
-    """
+    """Return a new name for a console's node: `_archo_console_USER_HOST_PROCESS`, `..._2`."""
     number = next(_numbers)
     more = f"_{number}" if number > 1 else ""
     name = f"{PREFIX}{user_name()}_{socket.gethostname()}_{os.getpid()}{more}"
@@ -122,10 +114,7 @@ class _Change(NamedTuple):
 
 
 class UnexplainedChanges:
-    """The changes of the robot, compared with what all consoles, this one too, report to have done.
-
-    `author` names whoever makes a change that no console reports.
-    """
+    """The changes of the robot, compared with what all consoles report to have done."""
 
     def __init__(self) -> None:
         self._records: deque[tuple[AuditRecord, float]] = deque(maxlen=_MAX_RECORDS)

@@ -91,10 +91,7 @@ def answer_of(outcome: Outcome) -> Any:
 
 
 def _verdict_and_words(answer: Any) -> tuple[str, str]:
-    """Return the names of an answer's fields that say if it worked, and why; "" for none.
-
-    They are `success`, or else the only bool, and `message`, or else the only string.
-    """
+    """Return the names of `success` or the only bool, and `message` or the only string."""
     found = kinds(answer)
     bools = [name for name, kind in found.items() if kind == "boolean"]
     texts = [name for name, kind in found.items() if kind == "string"]
@@ -104,10 +101,7 @@ def _verdict_and_words(answer: Any) -> tuple[str, str]:
 
 
 def refuses(answer: Any) -> bool:
-    """Return True if a service's answer says no: its `success`, or else its only bool, is false.
-
-    False if it has neither.
-    """
+    """Return True if a service's answer says no."""
     verdict, _ = _verdict_and_words(answer)
     return bool(verdict) and not getattr(answer, verdict)
 
@@ -118,11 +112,7 @@ def says_more(answer: Any) -> bool:
 
 
 def outcome_of(answer: Any) -> Outcome:
-    """Return the outcome that a service's answer means, with the answer's message as its text.
-
-    DONE or REFUSED by `success`, or else the only bool; NOT_CONFIRMED if there is none. Without a
-    message the text is `done` or `failed`. The message may hold any characters.
-    """
+    """Return what a service's answer means; NOT_CONFIRMED if it says neither yes nor no."""
     verdict, words = _verdict_and_words(answer)
     if not verdict:
         return Outcome(Code.NOT_CONFIRMED, "answered, not confirmed")

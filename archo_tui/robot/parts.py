@@ -10,8 +10,7 @@ from rclpy.context import Context
 from std_msgs.msg import String
 
 from archo_tui.clock import Clock
-from archo_tui.robot.calls import Services
-from archo_tui.robot.clients import UnexplainedChanges, author, new_node_name
+from archo_tui.robot.clients import author
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.goals.machine import FARTHEST
 from archo_tui.robot.graph.graph import Graph
@@ -20,13 +19,9 @@ from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.graph.parameter_values import is_secret
 from archo_tui.robot.graph.parameters import Parameters, without_secrets
 from archo_tui.robot.messages.types import load_all
-from archo_tui.robot.node import Listener, MessageCallback
+from archo_tui.robot.node import MessageCallback
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.readings.clocks import ClockOffsets
-from archo_tui.robot.readings.telemetry import Telemetry
-from archo_tui.robot.reporter import MAX_UNREAD, Reporter
-from archo_tui.robot.ros_thread import RosThread
-from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.runtime import MAX_UNREAD, Runtime
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event
@@ -35,6 +30,7 @@ from archo_tui.robot.state.graph import MASK, level_word, linked_number, logger_
 from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.telemetry import ClockOffsets, Telemetry
 from archo_tui.robot.topics.frames import FrameListener
 from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot_file.model import GoalKind, ParameterRef, RobotFile
@@ -42,18 +38,10 @@ from archo_tui.robot_file.model import GoalKind, ParameterRef, RobotFile
 WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.
 
 
-class Parts:
-    """The parts of the robot's side. They change on the ROS thread only, but for what says so.
+class Parts(Runtime):
+    """The parts of the robot's side, which the ROS thread changes.
 
     Requests read some of them on the event loop: names, parameters, the goal, the open STOP.
-
-    Attributes:
-        thread: For any thread, as `clock`, `stops` and `snapshot`.
-        begun: When this console started, in monotonic seconds.
-        watching: True if every request that changes something is refused.
-        own_nodes: Returns the full names of the nodes that run here. The session sets it.
-        unended_nodes: The same of those whose code may still run.
-        faults: Why a name of the robot file is not used, by that name.
     """
 
     def __init__(
@@ -64,57 +52,43 @@ class Parts:
         on_event: Callable[[Event], None] = lambda _: None,
         on_message: MessageCallback = lambda *_: None,
         *,
-        watching: bool = False,
+        watching: bool = False,  # Every request that changes something is refused.
     ) -> None:
         """Create the console's node, which joins the graph; importing its messages may take long.
 
         `on_event` and `on_message` are called on the ROS thread: with each event, also with one
         that repeats another, and with topic, class and bytes of each message, secrets masked.
         """
-        self.file, self.clock, self.watching = file, clock, watching
+        load_all(file)
+        super().__init__(context, clock, on_event, on_message, {ParameterEvent: without_secrets})
+        self.file, self.watching = file, watching
+        # The full names of the nodes that run here, and of those whose code may still run. The
+        # session sets both.
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.unended_nodes: Callable[[], Collection[str]] = tuple
-        self.faults: dict[str, str] = {}
-        load_all(file)
-        node = self.node = Listener(
-            *(new_node_name(), on_message, {ParameterEvent: without_secrets}),
-            context=context,
-            start_parameter_services=False,
-        )
-        self.thread = RosThread(node, context, clock, lambda error: self.reporter.error(error))
-        services = self.services = Services(node)
-        services.on_answered = self._on_answered
-        self.snapshots = SnapshotSender(node, services.steady, self._build_snapshot)
-        shows = self.thread.submit, self.snapshots.send_soon
+        self.faults: dict[str, str] = {}  # Why a name of the robot file is not used, by that name.
+        node = self.node
+        node.on_answered = self._on_answered
         self.graph = Graph(node, file)
         self.checks = InterfaceChecks(node, file, self.graph)
-        self.changes = UnexplainedChanges()
-        self.reporter = Reporter(node, clock, self.changes, on_event, self.snapshots.send_soon)
         self.clock_offsets = ClockOffsets()
         self.telemetry = Telemetry(
             *(node, file, clock, self._on_reading, self.reporter.warn, self._on_stamp),
             file.further_topics,
         )
-        self.frames = FrameListener(node, clock, self.graph, self._on_transforms)
-        self.parameters = Parameters(
-            *(node, clock, services, *shows, self._on_new_value, self._on_parameter_event)
-        )
-        self.lifecycles = Lifecycles(node, clock, services, *shows)
-        self.goals = Goals(
-            *(node, clock, services),
-            *(self._on_goal_change, self.reporter.note, self._on_goal_end),
-            frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
-            watching,
-        )
-        self.publications = Publications(node, clock, services)
-        self.goal_timer = node.create_timer(WATCH_PERIOD, self.check_goals, clock=services.steady)
+        self.frames = FrameListener(self, self.graph, self._on_transforms)
+        self.parameters = Parameters(self, self._on_new_value, self._on_parameter_event)
+        self.lifecycles = Lifecycles(self)
+        exempt = frozenset(kind.action for kind in file.goals if not kind.stop_cancels)
+        self.goals = Goals(self, self._on_goal_change, self._on_goal_end, exempt, watching)
+        self.publications = Publications()
+        self.goal_timer = node.create_steady_timer(WATCH_PERIOD, self.check_goals)
         self.goal_timer.cancel()
-        self.stops = Stops()
+        self.stops = Stops()  # For any thread.
         if file.stop is not None:
             self.stops.set_service(file.stop, self.checks.full(file.stop.service))
         self.stop_sender = StopSender(
-            *(node, file.stop, clock, services, self.graph, self.checks, self.goals),
-            *(self.telemetry, self.reporter, self.snapshots, self.thread),
+            *(self, file.stop, self.graph, self.checks, self.goals, self.telemetry),
             lambda: self.unended_nodes(),
         )
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
@@ -123,7 +97,7 @@ class Parts:
             self.goals.track(kind)
         if file.frames:
             self.frames.begin()
-        self.begun = clock.monotonic()
+        self.begun = clock.monotonic()  # When this console started.
         for text in self.checks.unfit.values():
             self.reporter.warn(text)
         self.snapshots.send()  # What the robot file says is known before any message comes.
@@ -131,7 +105,7 @@ class Parts:
     @property
     def snapshot(self) -> Snapshot:
         """The newest snapshot, also if it was not delivered yet. Any thread."""
-        return self.snapshots.mailbox.latest
+        return self.snapshots.latest
 
     def way_length(self, kind: GoalKind) -> float | None:
         """Return the length of the whole way for a kind of goal, by the robot file, or None."""
@@ -160,8 +134,8 @@ class Parts:
 
     def _on_motion(self, topic: str) -> None:
         self.goals.on_robot_message()
-        if topic in self.graph.publishers:  # The readings of several robots come mixed.
-            return
+        if len(self.graph.publishers.get(topic, ())) > 1:
+            return  # The readings of several robots come mixed.
         stop, motion = self.file.stop, self.telemetry.motion
         # One of several robots tells nothing about the others.
         if stop is not None and stop.service not in self.graph.duplicates:
@@ -174,10 +148,7 @@ class Parts:
         self.snapshots.is_stale = True  # They are shown in the snapshot of each second.
 
     def _on_log(self, message: Log) -> None:
-        """Add a line on /rosout to the events; goals and clock offsets learn from it.
-
-        Left out are lines of other robots, and of consoles that also send them as audit records.
-        """
+        """Add a line on /rosout to the events; goals and clock offsets learn from it."""
         node = logger_node(message.name)
         console, now = author(node), self.clock.now()
         if console:
@@ -289,17 +260,8 @@ class Parts:
             stop_not_obeyed=stop.is_not_obeyed,
             still_running_after_stop=self.stop_sender.still_running,
             nodes=self.lifecycles.with_states(graph.node_states()),
-            offered=graph.offered,
             namespace=graph.namespace,
-            publishers=graph.publishers,
-            duplicate_nodes=graph.duplicate_nodes,
-            duplicate_servers=graph.duplicates,
-            has_clock=graph.has_clock,
-            other_namespaces=graph.other_namespaces,
-            consoles=graph.consoles,
-            actions=graph.listed.actions,
-            services=graph.listed.services,
-            resources=graph.listed.all,
+            **graph.shown(),
             message_rates=graph.message_rates(),
             transforms=self.frames.transforms,
             faults=self.faults,

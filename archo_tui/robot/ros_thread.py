@@ -1,7 +1,4 @@
-"""The thread on which rclpy runs, beside the frontend's asyncio loop.
-
-rclpy is called on that thread only; `run` carries work there and the result back.
-"""
+"""The thread on which rclpy runs, and is called, beside the frontend's asyncio loop."""
 
 from __future__ import annotations
 
@@ -23,10 +20,7 @@ T = TypeVar("T")
 
 
 class RosThread:
-    """A thread that spins one node until `stop`, also after errors in callbacks.
-
-    It ends by itself when the node's context is shut down.
-    """
+    """A thread that spins one node until `stop`, also after errors in callbacks."""
 
     def __init__(
         self, node: Node, context: Context, clock: Clock, on_error: Callable[[Exception], None]
@@ -60,10 +54,7 @@ class RosThread:
                 self._on_error(error)
 
     def _begin_to_end(self) -> None:
-        """Stop the timers, and end once the queued functions have begun.
-
-        Python warns of a coroutine that never begins, so none is left.
-        """
+        """Stop the timers, and end once the queued functions have begun."""
         for timer in self._node.timers:
             timer.cancel()
         self.submit(self._end)
@@ -110,11 +101,8 @@ class RosThread:
     async def run(self, work: Callable[[], Coroutine[Any, Any, T]], deadline: float) -> T:
         """Run a coroutine function of rclpy's kind on the ROS thread, and return its value.
 
-        Called on an asyncio loop. If the caller is cancelled, the work still goes on.
-
-        Raises:
-            TimeoutError: The deadline has passed, and the work may still go on; or the thread had
-                ended.
+        Raises TimeoutError at the deadline. The work still goes on then, as if the caller
+        is cancelled.
         """
         loop = asyncio.get_running_loop()
         result: asyncio.Future[T] = loop.create_future()
@@ -140,10 +128,7 @@ class RosThread:
         return await self._clock.wait_for(result, deadline)
 
     def stop(self, timeout: float = 3.0) -> bool:
-        """End the thread and destroy the node; block until it is done. Not on the ROS thread.
-
-        Functions that were submitted before still begin.
-        """
+        """End the thread and destroy the node; block until it is done. Not on the ROS thread."""
         if self._thread.is_alive():
             self.submit(self._begin_to_end)
             self._thread.join(timeout)

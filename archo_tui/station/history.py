@@ -7,8 +7,7 @@ from typing import Literal
 
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot.state.topic import Range
-from archo_tui.robot.topics.rows import Series
+from archo_tui.robot.topics.rows import Range, Series
 
 # charge: in %. speed: in the unit of the robot's own messages, m/s in ROS. left: what remains of
 # the running goal, in the unit of its feedback.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from archo_tui.robot.state.topic import Range
+from archo_tui.robot.topics.rows import Range
 from archo_tui.text.state import BARS, EDGE, OLD, Spans, share
 
 _BLANK = 0x2800

@@ -11,7 +11,7 @@ from textual.app import ComposeResult
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot.state.topic import Range
+from archo_tui.robot.topics.rows import Range
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View

@@ -17,8 +17,8 @@ import pytest
 
 from archo_tui.client import connection, find, sockets
 from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
-from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.stop import sender
 from tests.robot.test_several_servers import Brake
 from tests.support.console import FAST, LONG
 from tests.support.night import corners
@@ -285,7 +285,7 @@ async def test_a_flood_of_stops_reaches_the_robot_a_few_times_and_each_is_answer
 async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(calls, "DEADLINE", 60.0)  # on a busy machine 2 s are soon over
+    monkeypatch.setattr(sender, "DEADLINE", 60.0)  # on a busy machine 2 s are soon over
     brakes: list[Brake] = []
     async with served(making(brakes, Brake, "brake", "nothing")), guest() as one, guest() as other:
         one.send({"id": 1, "words": ["stop"]})

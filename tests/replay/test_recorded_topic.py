@@ -16,7 +16,7 @@ from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.recordings.replay.player import Player
 from archo_tui.recordings.replay.station import RecordedTopicFollower
-from archo_tui.robot.state.topic import TopicRequest, TopicView
+from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from tests.replay.bags import START, written
 from tests.support import clock
 from tests.support.archo import ARCHO

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.robot.poller import SETTLED, Arrivals
+from archo_tui.robot.robot import SETTLED, Arrivals
 from tests.support.clock import seconds
 from tests.support.plain import operated
 from tests.support.quiet import until

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from action_msgs.srv import CancelGoal
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
@@ -16,12 +16,12 @@ from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
-from std_srvs.srv import Empty
 
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.load import default_path
 from archo_tui.text.goal import goal_line
+from tests.robot.test_several_servers import Brake
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.quiet import ended, until
@@ -89,18 +89,6 @@ class Driver(Node):
         return MoveToShelf.Result(final_message="called back")
 
 
-class SecondStop(Node):
-    """Serves STOP, too, and says yes at once."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("second_stop", **options)
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-
-    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        response.success = True
-        return response
-
-
 class Other(Node):
     """Another client, which sends goals of its own."""
 
@@ -125,7 +113,7 @@ async def pass_time(seconds: float) -> None:
 @pytest.mark.parametrize("says", ["no", "nothing", LATE, ""])
 async def test_a_goal_is_cancelled_whatever_the_stop_answers(says: str) -> None:
     made: list[Driver] = []
-    more = [SecondStop] if says == LATE else []
+    more = [partial(Brake, "second_stop")] if says == LATE else []
     async with robot(making(made, Driver, says), *more, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         sent = clock.seconds()
@@ -241,7 +229,7 @@ async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> Non
         assert it.snapshot.still_running_after_stop == ("another client's goal",)
 
 
-async def test_a_goal_that_another_client_sent_behind_the_stop_is_not_cancelled_again() -> None:
+async def test_what_others_send_behind_a_stop_goes_on_even_if_it_is_given_up() -> None:
     made: list[Driver] = []
     others: list[Other] = []
     maker = making(made, lambda **options: Driver("no", heeds=False, **options))
@@ -254,42 +242,6 @@ async def test_a_goal_that_another_client_sent_behind_the_stop_is_not_cancelled_
         await until(lambda: it.snapshot.running == 2)
         await until(lambda: len(made[0].cancelled) >= 3)
         assert it.snapshot.running == 2
-
-
-@pytest.mark.parametrize("moves", [True, False])
-async def test_a_stop_that_cannot_say_yes_is_judged_by_the_motion(moves: bool) -> None:
-    class Plain(Driver):
-        def __init__(self, **options: Any) -> None:
-            super().__init__(moves=moves, **options)
-            self.create_service(Empty, "emergency_stop", self.halt)
-            self.create_service(CancelGoal, "other/_action/cancel_goal", self.cancel_other)
-
-        def halt(self, _: Any, response: Empty.Response) -> Empty.Response:
-            self.stops.append(clock.seconds())
-            return response
-
-        def cancel_other(self, _: Any, response: Any) -> Any:
-            return response
-
-    made: list[Plain] = []
-    async with robot(making(made, Plain), offers="emergency_stop") as it:
-        await until(lambda: it.snapshot.motion.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        await pass_time(4.5)
-        asked = [text for text in texts(it) if text.startswith("STOP was not confirmed in time: ")]
-        assert len(asked) == int(moves)
-        assert (len(made[0].stops) > 2) == moves  # sent again only while it moves
-
-
-async def test_the_cancelling_for_a_stop_ends_when_it_is_given_up() -> None:
-    made: list[Driver] = []
-    others: list[Other] = []
-    maker = making(made, lambda **options: Driver("no", heeds=False, **options))
-    async with robot(maker, making(others, Other), offers="move_to_shelf") as it:
-        begin(others[0], others[0].go)
-        await until(lambda: it.snapshot.running == 1)
-        assert not (await ended(it.emergency_stop())).ok
-        await until(lambda: len(made[0].cancelled) >= 2)
         assert (await ended(it.give_up_stop())).ok
         before = len(made[0].cancelled)
         await pass_time(5.0)
@@ -314,42 +266,14 @@ async def test_a_stop_that_is_pressed_again_cancels_what_others_have_sent_since(
         await until(lambda: it.snapshot.running == 0)
 
 
-class Hangs(Node):
-    """Serves STOP, too, and never answers."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("hangs", **options)
-        self.never: Future[bool] = Future()
-        group = ReentrantCallbackGroup()
-        self.served = self.create_service(
-            EmergencyStop, "emergency_stop", self.stop, callback_group=group
-        )
-
-    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        await self.never
-        return response
-
-    def leave(self) -> None:
-        self.destroy_service(self.served)
-
-
 async def test_a_server_that_leaves_without_an_answer_makes_the_stop_uncertain() -> None:
-    made: list[Hangs] = []
-    async with robot(lambda **o: Driver("yes", **o), making(made, Hangs)) as it:
+    made: list[Brake] = []
+    hangs = making(made, Brake, "hangs", "nothing")
+    async with robot(lambda **o: Driver("yes", **o), hangs) as it:
         await until(lambda: "emergency_stop" in it.snapshot.duplicate_servers)
         assert not (await ended(it.emergency_stop())).ok
         begin(made[0], made[0].leave)
         await until(lambda: it.snapshot.open_stop is None)
         assert it.snapshot.latch is Latch.UNCERTAIN
         assert it.snapshot.latch_doubt == "/hangs has left without an answer"
-        made[0].never.set_result(True)
-
-
-async def test_a_stop_that_reached_nobody_is_forgotten_by_a_release() -> None:
-    async with robot(lambda **options: Node("none", **options)) as it:
-        assert not (await ended(it.emergency_stop())).ok
-        assert it.snapshot.open_stop is not None
-        outcome = await ended(it.release_emergency_stop())
-        assert outcome.ok
-        assert outcome.text == "no node has got the STOP, which is given up; nothing was sent"
-        assert it.snapshot.open_stop is None
+        made[0].awake.set_result(True)

@@ -10,7 +10,7 @@ import pytest
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-from archo_tui.robot.readings.clocks import ClockOffsets
+from archo_tui.robot.telemetry import ClockOffsets
 from tests.support.alarms import conditions
 from tests.support.clock import NOW
 from tests.support.quiet import until

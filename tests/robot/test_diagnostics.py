@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.readings.telemetry import Diagnostics
 from archo_tui.robot.state.readings import DiagnosticLevel
+from archo_tui.robot.telemetry import Diagnostics
 
 pytestmark = pytest.mark.pure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from archo_tui.robot.goals.machine import (
     Event,
     GoalEffect,
     TrackedGoal,
+    end_text,
     feedback_changes,
     found,
     is_missed,
@@ -27,6 +29,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import RUNNING, Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
@@ -37,6 +40,7 @@ pytestmark = pytest.mark.pure
 NOW = 1000.0
 NEVER = -math.inf
 SUCCESS = MoveToShelf.Result(success=True, final_message="there")
+FEEDBACK = SimpleNamespace(distance_remaining=5.0)
 
 
 def sent() -> TrackedGoal:
@@ -68,14 +72,14 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
     period: float, longest: float
 ) -> None:
     goal, last = fed(accepted(), *(NOW + period * n for n in range(3))), NOW + 2 * period
-    for passed, phase in ((longest - 0.1, Phase.MOVING), (longest + 0.1, Phase.LOST)):
+    for passed, phase in ((longest, Phase.MOVING), (longest + 0.1, Phase.LOST)):
         now = last + passed
         assert phases(goal, now, motion=Motion(received=now, period=0.2)) == [phase]
 
 
 def test_after_its_first_feedback_it_may_be_silent_for_15_s() -> None:
     goal = fed(accepted(), NOW)
-    assert phases(goal, NOW + 14.9, NOW + 15.1) == [Phase.MOVING, Phase.LOST]
+    assert phases(goal, NOW + 15.0, NOW + 15.1) == [Phase.MOVING, Phase.LOST]
 
 
 def test_without_feedback_and_motion_its_server_alone_decides() -> None:
@@ -101,7 +105,7 @@ def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
 
 def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> None:
     motion = Motion(received=NOW, period=0.2)
-    seen = phases(fed(accepted(), NOW), NOW + 2.9, NOW + 3.1, motion=motion)
+    seen = phases(fed(accepted(), NOW), NOW + 3.0, NOW + 3.1, motion=motion)
     assert seen == [Phase.MOVING, Phase.LOST]
 
 
@@ -133,19 +137,21 @@ def test_a_goal_beside_another_one_of_ours_is_not_sent(
     assert found is None or found.text.startswith(words)
 
 
-def test_a_goal_is_not_sent_to_nobody_nor_from_a_console_that_ends() -> None:
-    unserved = refusal(sent(), None, is_served=False, has_ended=False)
-    assert unserved is not None
-    assert unserved.code is Code.NOT_OFFERED
-    ends = refusal(sent(), None, is_served=True, has_ended=True)
-    assert ends is not None
-    assert ends.text == "not sent: the console ends"
-
-
-def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:
-    silent = accepted().fire(Event.SILENT, NOW)
-    assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
-    assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST
+@pytest.mark.parametrize(
+    ("is_called_off", "is_served", "code", "words"),
+    [
+        (True, True, Code.CANCELLED, NEVER_LEFT),
+        (False, False, Code.NOT_OFFERED, "/move_to_shelf is not offered by any node"),
+        (False, True, Code.CANCELLED, "not sent: the console ends"),
+    ],
+)
+def test_a_goal_is_not_sent_to_nobody_or_once_it_is_not_wanted(
+    is_called_off: bool, is_served: bool, code: Code, words: str
+) -> None:
+    goal = sent().called_off() if is_called_off else sent()
+    found = refusal(goal, None, is_served=is_served, has_ended=True)
+    assert found is not None
+    assert (found.code, found.text.lstrip("/")) == (code, words.lstrip("/"))
 
 
 def test_without_a_server_it_is_gone_after_a_second_without_news() -> None:
@@ -288,6 +294,7 @@ def test_a_goal_that_returns_keeps_its_turn_and_a_stop_since_then_cancels_it() -
     assert (again.turn, again.goal.mine, again.goal.name) == (5, True, "shelf 3")
     assert again.todo == (GoalEffect.ASK, GoalEffect.CANCEL)
     assert gone.found_again(back, is_void=False).todo == (GoalEffect.ASK,)
+    assert gone.found_again(back._replace(goal=back.goal), is_void=False).goal.is_found
 
 
 def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None:
@@ -320,11 +327,6 @@ def test_a_cancel_that_failed_returns_to_the_phase_before(before: Phase) -> None
     assert twice.cancel_accepted().goal.phase is Phase.CANCELLING
 
 
-def test_a_cancel_that_failed_changes_nothing_if_the_server_says_that_it_cancels() -> None:
-    goal = accepted().cancelling(NOW).reported(None, NOW, is_canceling=True)
-    assert goal.cancel_failed(NOW, is_rejected=True).goal.phase is Phase.CANCELLING
-
-
 # Goals of others.
 
 
@@ -332,6 +334,7 @@ def test_a_cancel_that_failed_changes_nothing_if_the_server_says_that_it_cancels
     ("age", "tracked_for", "was_reported", "is_news"),
     [
         (3.0, 5.0, None, True),
+        (5.0, 5.0, None, True),
         (7.0, 5.0, None, False),  # It ended before the console began.
         (7.0, 5.0, False, True),
         (3.0, 5.0, True, False),
@@ -346,8 +349,11 @@ def test_a_goal_that_began_and_ended_between_two_messages_is_history(
 @pytest.mark.parametrize(
     ("age", "is_first", "begun", "is_found"),
     [
+        (0.0, True, NOW, False),
         (0.5, True, NOW - 0.5, False),
-        (300.0, True, NOW - 300.0, True),
+        (1.0, True, NOW - 1.0, True),
+        (86_400.0, True, NOW - 86_400.0, True),
+        (86_400.5, True, NOW, True),
         (300.0, False, NOW - 300.0, False),
         (-5.0, True, NOW, True),  # The robot's clock is ahead,
         (1e6, True, NOW, True),  # or began with the robot.
@@ -357,7 +363,194 @@ def test_a_found_goal_began_when_its_server_says_unless_that_cannot_be(
     age: float, is_first: bool, begun: float, is_found: bool
 ) -> None:
     goal = found(SHELF, Phase.MOVING, age, NOW, 7, 1, is_first=is_first).goal
-    assert (goal.sent, goal.started, goal.is_found, goal.mine) == (begun, begun, is_found, False)
+    expected = Goal(SHELF, {}, Phase.MOVING, begun, 0.0, mine=False, number=1)
+    assert goal == expected._replace(heard=NOW, started=begun, is_found=is_found)
+    assert found(SHELF, Phase.CANCELLING, age, NOW, 7, 1).goal.cancel_asked == NOW
+
+
+PLAIN = replace(SHELF, remaining=None, message="")  # Its file names no field of its messages.
+GOAL = Goal(SHELF, {"shelf_number": 3}, Phase.MOVING, NOW, 0.0)
+
+
+def unknown() -> TrackedGoal:
+    return sent().fire(Event.NO_ANSWER, NOW)
+
+
+def lost() -> TrackedGoal:
+    return accepted().fire(Event.SILENT, NOW)
+
+
+def asks(goal: TrackedGoal, *at: float, is_served: bool = True) -> list[bool]:
+    """Return if its server is asked about it at these times, each without the others."""
+    goal = goal._replace(todo=())
+    ticks = (goal.tick(now, Motion(), NEVER, is_served=is_served) for now in at)
+    return [tick.todo == (GoalEffect.ASK,) for tick in ticks]
+
+
+# Its request.
+
+
+def test_it_is_from_when_it_left_and_from_before_all_stops_until_then() -> None:
+    goal = TrackedGoal(GOAL._replace(sent=0.0))
+    assert goal.behind_stop(1, NOW).todo == (GoalEffect.CANCEL_UNASKED,)
+    left = goal.leaving(NOW, 5, 7)
+    assert (left.goal.sent, left.goal.number, left.turn) == (NOW, 7, 5)
+
+
+def test_a_refusal_in_time_waits_for_its_reason_and_a_late_one_ends_it() -> None:
+    assert sent().refused_late(NOW) == sent()
+    late = unknown().refused_late(NOW).goal
+    assert (late.phase, late.message) == (Phase.REFUSED, "refused (the answer came late)")
+
+
+def test_it_is_taken_as_accepted_since_it_was_sent_if_feedback_says_so() -> None:
+    early = sent().fed(FEEDBACK, NOW + 1.0, is_void=False)
+    assert (early.goal.started, early.goal.heard) == (NOW, NOW + 1.0)
+    known = sent().accepted(NOW + 1.0, is_void=False).fed(FEEDBACK, NOW + 2.0, is_void=False)
+    assert known.goal.started == NOW + 1.0
+
+
+def test_feedback_of_a_goal_without_an_answer_cancels_it_if_not_wanted() -> None:
+    assert unknown().fed(FEEDBACK, NOW, is_void=True).todo == (GoalEffect.CANCEL,)
+    assert unknown().fed(FEEDBACK, NOW, is_void=False).todo == ()
+    silent = unknown().called_off().cancelling(NOW).fire(Event.SILENT, NOW)
+    assert silent.goal.phase is Phase.LOST
+    assert silent.fed(FEEDBACK, NOW, is_void=False).todo == (GoalEffect.CANCEL,)
+
+
+# Its end.
+
+
+@pytest.mark.parametrize(
+    ("end", "words", "message", "left"),
+    [
+        (Event.ARRIVED, "", "", 0.0),
+        (Event.ARRIVED, "there", "there", 0.0),
+        (Event.ABORTED, "", "the robot gave no reason", 5.0),
+        (Event.ABORTED, "no way", "no way", 5.0),
+    ],
+)
+def test_an_end_has_the_robots_words_and_only_an_arrival_leaves_no_way(
+    end: Event, words: str, message: str, left: float
+) -> None:
+    goal = fed(accepted(), NOW)
+    result = SimpleNamespace(final_message=words)
+    ended = goal.answered(goal.questions, end, result, NOW).goal
+    assert (ended.message, ended.remaining, ended.result) == (message, left, result)
+
+
+def test_a_goal_without_a_way_arrives_without_one() -> None:
+    goal = TrackedGoal(GOAL._replace(kind=PLAIN))
+    ended = goal.answered(0, Event.ARRIVED, MoveToShelf.Result(success=True), NOW).goal
+    assert (ended.remaining, ended.message) == (None, "success true")
+
+
+@pytest.mark.parametrize(
+    ("phase", "before", "message", "text"),
+    [
+        (Phase.REFUSED, Phase.SENT, "busy", ""),  # Its verb says it.
+        (Phase.REFUSED, Phase.UNKNOWN, "busy", "shelf 3 refused: busy"),
+        (Phase.GONE, Phase.SENT, "", "shelf 3 lost"),
+        (Phase.ABORTED, Phase.MOVING, "", "shelf 3 aborted"),
+        (Phase.ABORTED, Phase.MOVING, "by hand", "shelf 3 aborted: by hand"),
+        (Phase.ABORTED, Phase.MOVING, "Aborted by hand", "shelf 3 aborted: Aborted by hand"),
+        (Phase.ABORTED, Phase.MOVING, "No shelf 3", "shelf 3 aborted: No shelf 3"),
+        (Phase.ABORTED, Phase.MOVING, "Shelf 3 was aborted", "Shelf 3 was aborted"),
+    ],
+)
+def test_an_end_is_told_in_the_robots_words_if_they_say_it_all(
+    phase: Phase, before: Phase, message: str, text: str
+) -> None:
+    ended = GOAL._replace(phase=phase, message=message)
+    assert end_text(GOAL._replace(phase=before), ended) == text
+
+
+# Its cancel.
+
+
+@pytest.mark.parametrize(("cancels", "phase"), [(1, Phase.LOST), (2, Phase.CANCELLING)])
+def test_a_yes_to_a_cancel_is_one_answer_less_that_is_awaited(cancels: int, phase: Phase) -> None:
+    goal = accepted()
+    for _ in range(cancels):
+        goal = goal.cancelling(NOW)
+    again = goal.cancel_accepted().fire(Event.SILENT, NOW).cancelling(NOW)
+    assert again.cancel_failed(NOW, is_rejected=False).goal.phase is phase
+
+
+def test_a_status_tells_of_a_cancel_by_another_client() -> None:
+    told = accepted().reported(None, NOW + 1.0, is_canceling=True)
+    assert (told.goal.phase, told.goal.cancel_asked) == (Phase.CANCELLING, NOW + 1.0)
+    assert told.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.CANCELLING
+    assert accepted().reported(None, NOW, is_canceling=False) == accepted()
+
+
+# What is asked, and when.
+
+
+def test_its_server_is_asked_about_it_after_5_s_without_news() -> None:
+    assert asks(accepted(), NOW + 5.0, NOW + 5.1) == [False, True]
+    assert asks(fed(accepted(), NOW + 1.0), NOW + 6.0, NOW + 6.1) == [False, True]
+    asked = accepted().ask(NOW + 1.0)
+    assert asks(asked, NOW + 6.0, NOW + 6.1) == [False, True]
+
+
+@pytest.mark.parametrize("doubtful", [unknown, lost])
+def test_a_doubtful_goal_is_asked_about_every_2_s(doubtful: Callable[[], TrackedGoal]) -> None:
+    assert asks(doubtful().ask(NOW + 1.0), NOW + 3.0, NOW + 3.1) == [False, True]
+
+
+def test_a_goal_without_an_answer_or_a_server_is_not_asked_about() -> None:
+    assert asks(sent(), NOW + 60.0) == [False]
+    assert asks(accepted(), NOW + 60.0, is_served=False) == [False]
+
+
+def test_a_goal_whose_robot_is_heard_again_is_asked_about_at_once() -> None:
+    asked = lost().ask(NOW)
+    assert asks(asked.robot_heard(NOW), NOW + 0.1) == [True]
+    assert accepted().robot_heard(NOW) == accepted()
+
+
+# Goals of others, and those that return.
+
+
+# Its feedback.
+
+
+@pytest.mark.parametrize("left", [0.0, 0.5, 1e6])
+def test_a_remainder_up_to_1000_km_is_a_reading_and_the_way(left: float) -> None:
+    feedback = SimpleNamespace(distance_remaining=left)
+    changes = feedback_changes(GOAL, feedback, NOW)
+    assert (changes["remaining"], changes["length"]) == (left, left)
+
+
+@pytest.mark.parametrize(("value", "shown"), [(1e6 + 0.5, "1e+06"), (-0.5, "-0.5"), ("far", "far")])
+def test_any_other_remainder_is_shown_as_it_came(value: object, shown: str) -> None:
+    feedback = SimpleNamespace(distance_remaining=value)
+    assert feedback_changes(GOAL, feedback, NOW) == {"unreadable": shown}
+
+
+def test_without_a_named_remainder_the_whole_feedback_is_shown() -> None:
+    feedback = MoveToShelf.Feedback(distance_remaining=1.5)
+    changes = feedback_changes(GOAL._replace(kind=PLAIN), feedback, NOW)
+    assert changes == {"feedback": "distance_remaining 1.5"}
+
+
+def test_a_status_leaves_our_cancel_as_it_was_asked() -> None:
+    goal = accepted().cancelling(NOW)
+    assert goal.reported(None, NOW + 1.0, is_canceling=True).goal.cancel_asked == NOW
+    unsaid = goal.reported(None, NOW + 1.0, is_canceling=False)
+    assert unsaid.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.MOVING
+
+
+def test_only_a_goal_without_an_answer_is_called_off() -> None:
+    for goal, is_cancelled in ((sent(), True), (unknown(), True), (accepted(), False)):
+        assert goal.called_off() == goal._replace(is_cancelled=is_cancelled)
+
+
+def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:
+    silent = accepted().fire(Event.SILENT, NOW)
+    assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
+    assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST
 
 
 # Every state of a goal, breadth first.
@@ -420,9 +613,6 @@ def normal(world: World) -> World:
     )
     came_from = world.came_from if is_cancelling and not world.is_confirmed else None
     return World(state, world.is_void, came_from, world.is_confirmed and is_cancelling)
-
-
-FEEDBACK = SimpleNamespace(distance_remaining=5.0)
 
 
 def _later(state: TrackedGoal, seconds: float, **facts: Any) -> TrackedGoal:
@@ -594,8 +784,3 @@ def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited(
     every = {(event, phase) for event in PHASES for phase in RUNNING}
     assert every - cells == {(Event.CANCEL_FAILED, Phase.SENT)}  # No cancel leaves before it.
     assert states > 1000, states
-
-
-def test_each_event_has_a_row_with_a_phase_for_each_that_runs() -> None:
-    assert set(PHASES) == set(Event)
-    assert {len(row) for row in PHASES.values()} == {len(RUNNING)}

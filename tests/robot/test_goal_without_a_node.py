@@ -8,16 +8,13 @@ from typing import Any
 
 import pytest
 from action_msgs.msg import GoalStatus, GoalStatusArray
-from archo_interfaces.action import MoveToShelf
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from tests.support.archo import go
+from tests.support.by_hand import ByHand
 from tests.support.clock import seconds
 from tests.support.console import LONG
 from tests.support.plain import operated
@@ -28,44 +25,20 @@ from tests.support.shells import heard, served, typed
 LOST = "the robot may still be moving"
 
 
-class Server(Node):
+class Server(ByHand):
     """Takes every goal, and says nothing of it until it is told to."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("server", **options)
-        self.never: Future[bool] = Future()
-        self.goal_id, self.cancels = b"", 0
-        impl: Any = MoveToShelf.Impl
-        group, prefix = ReentrantCallbackGroup(), "move_to_shelf/_action"
-        for kind, name, answer in (
-            (impl.SendGoalService, "send_goal", self.accept),
-            (impl.GetResultService, "get_result", self.result),
-            (impl.CancelGoalService, "cancel_goal", self.cancel),
-        ):
-            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.status = self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
 
-    async def accept(self, request: Any, response: Any) -> Any:
-        self.goal_id = bytes(request.goal_id.uuid)
-        response.accepted = True
-        return response
-
-    async def result(self, _: Any, response: Any) -> Any:
-        await self.never
-        return response
-
-    async def cancel(self, _: Any, response: Any) -> Any:
-        self.cancels += 1
+    async def cancel(self, request: Any, response: Any) -> Any:
+        await super().cancel(request, response)
         await self.never
         return response
 
     def feeds(self, goal_id: bytes) -> None:
         """Tell how far it is from now on, and no status."""
-        said = MoveToShelf.Impl.FeedbackMessage(goal_id=UUID(uuid=list(goal_id)))
-        said.feedback.distance_remaining = 9.0
-        self.create_timer(0.2, lambda: self.feedback.publish(said))
+        self.create_timer(0.2, lambda: self.feed(goal_id, 9.0))
 
     def drives(self, goal_id: bytes) -> None:
         """Tell that it does."""
@@ -86,7 +59,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         executor.create_task(executor.add_node, server)
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         assert (await ended(go(it, 3))).ok
-        goal_id = server.goal_id
+        (goal_id,) = server.goal_ids
 
         def leave(node: Node) -> None:
             executor.remove_node(node)
@@ -106,7 +79,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         await until(lambda: it.snapshot.running_goal)
         goal = it.snapshot.running_goal
         assert (goal.name, goal.mine) == ("shelf 3", True)
-        await until(lambda: back.cancels)  # A STOP since then ends it, confirmed or not.
+        await until(lambda: back.cancelled)  # A STOP since then ends it, confirmed or not.
         again = "shelf 3 was not lost: its node is heard again"
         await until(lambda: any(event.text == again for event in it.snapshot.events))
         said = [event.text for event in it.snapshot.events if event.level == "GOAL"]

@@ -15,9 +15,9 @@ from std_msgs.msg import String, UInt8MultiArray
 from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import as_text
-from archo_tui.robot.node import Listener
-from archo_tui.robot.state.topic import TopicRequest
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.topics import inspect
+from archo_tui.robot.topics.rows import TopicRequest
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 from tests.support.ros import begin
@@ -40,12 +40,12 @@ class Talker(Node):
 async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
     recorded: list[str] = []
     made: list[Talker] = []
-    seen = Listener.__init__
+    seen = ConsoleNode.__init__
 
-    def listen(self: Any, name: str, on_message: Any, *given: Any, **options: Any) -> None:
-        seen(self, name, lambda topic, *_: recorded.append(topic), *given, **options)
+    def listen(self: Any, name: str, context: Any, _on_message: Any, masks: Any) -> None:
+        seen(self, name, context, lambda topic, *_: recorded.append(topic), masks)
 
-    monkeypatch.setattr(Listener, "__init__", listen)
+    monkeypatch.setattr(ConsoleNode, "__init__", listen)
     async with robot(making(made, Talker)) as it:
         async with it.inspect("/fast", String) as counted:
             await until(lambda: counted.count >= 5)

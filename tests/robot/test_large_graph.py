@@ -10,7 +10,7 @@ import pytest
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 
-from archo_tui.robot.graph.resources import PERIOD, Resources
+from archo_tui.robot.graph.graph import PERIOD, Resources
 from archo_tui.robot.state.graph import Resource
 
 pytestmark = pytest.mark.pure

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from archo_tui.robot.snapshot_sender import Mailbox
+from archo_tui.robot.runtime import Mailbox
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
 

@@ -11,12 +11,12 @@ from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
-from rclpy.qos import qos_profile_action_status_default
 
 from archo_tui.robot.goals.client import HISTORY
 from archo_tui.robot.state.goal import Phase
 from tests.support import clock
 from tests.support.archo import go
+from tests.support.by_hand import ByHand
 from tests.support.night import corners
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
@@ -75,32 +75,23 @@ async def test_of_goals_without_end_only_the_last_are_kept(count: int) -> None:
         assert {kind: more for kind, more in grown.items() if more >= min(count // 2, 11)} == {}
 
 
-class Backward(Node):
+class Backward(ByHand):
     """Tells the result of a goal first, and its status later."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("backward", **options)
-        impl: Any = MoveToShelf.Impl
-        prefix = "move_to_shelf/_action"
-        self.create_service(impl.SendGoalService, f"{prefix}/send_goal", self.accept)
-        self.create_service(impl.CancelGoalService, f"{prefix}/cancel_goal", lambda _, r: r)
-        self.create_service(impl.GetResultService, f"{prefix}/get_result", self.end)
-        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
-        qos = qos_profile_action_status_default
-        self.status = self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", qos)
         self.later = self.create_timer(0.2, self.tell)
         self.told = GoalStatusArray()
         self.published = 0
 
-    def accept(self, request: Any, response: Any) -> Any:
+    async def accept(self, request: Any, response: Any) -> Any:
         status = GoalStatus(status=GoalStatus.STATUS_SUCCEEDED)
         status.goal_info.goal_id = request.goal_id
         status.goal_info.stamp = self.get_clock().now().to_msg()
         self.told.status_list = [*self.told.status_list, status]
-        response.accepted = True
-        return response
+        return await super().accept(request, response)
 
-    def end(self, request: Any, response: Any) -> Any:
+    async def result(self, _: Any, response: Any) -> Any:
         response.status = GoalStatus.STATUS_SUCCEEDED
         response.result.success = True
         self.later.reset()

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from action_msgs.msg import GoalStatus, GoalStatusArray
-from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rcl_interfaces import srv
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -29,7 +25,6 @@ from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.readings import Motion
 from tests.support import clock
-from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
@@ -64,12 +59,12 @@ async def test_a_value_that_is_not_read_back_is_not_said_to_be_as_before(
 ) -> None:
     async with robot(Unset) as it:
         await until(lambda: it.snapshot.parameter("speed"))
-        call = it.services.call
+        call = it.node.call
 
         async def hangs(kind: Any, *given: Any, **options: Any) -> Any:
             return None if kind is srv.GetParameters else await call(kind, *given, **options)
 
-        monkeypatch.setattr(it.services, "call", hangs)
+        monkeypatch.setattr(it.node, "call", hangs)
         outcome = await ended(it.set_parameters("/unset", {"speed": 0.7}))
         said = "accepted, but /unset has not reported the new value; speed was 0.5"
         assert outcome == (Code.DONE, said)
@@ -101,104 +96,12 @@ async def test_a_reading_that_was_latched_before_is_shown() -> None:
         await until(lambda: it.snapshot.battery.percentage == 42.0)
 
 
-class LateTeller(Node):
-    """Takes a goal, and gives its first feedback 8 s later."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("late_teller", **options)
-        self.goal: Any = None
-        self.over: Future[bool] = Future()
-        self.began = 0.0
-        self.action = ActionServer(
-            self, MoveToShelf, "move_to_shelf", self.drive, cancel_callback=self.cancel
-        )
-        self.create_timer(0.5, self.tell)
-
-    def cancel(self, _: Any) -> CancelResponse:
-        self.over.set_result(True)
-        return CancelResponse.ACCEPT
-
-    def tell(self) -> None:
-        if self.goal is not None and clock.seconds() - self.began > 8.0:
-            self.goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
-
-    async def drive(self, goal: Any) -> MoveToShelf.Result:
-        self.goal, self.began = goal, clock.seconds()
-        await self.over
-        self.goal = None
-        goal.canceled()
-        return MoveToShelf.Result()
-
-
-async def test_an_action_whose_first_feedback_is_late_is_not_lost_before_it() -> None:
-    phases: set[Any] = set()
-
-    def looked(it: Any) -> bool:
-        phases.add(it.snapshot.goal.phase)
-        return bool(it.snapshot.goal.remaining == 9.0)
-
-    async with robot(LateTeller, offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).ok
-        await until(lambda: looked(it))
-        assert phases == {Phase.MOVING}
-        assert (await ended(it.cancel())).ok
-
-
 async def test_the_header_does_not_say_online_beside_a_goal_that_is_lost() -> None:
     app = stub_app(goal(Phase.LOST, heard=NOW - 3.2))
     async with app.run_test(size=(120, 36)):
         await Quiet(app).settle()
         assert "● online" not in screen_text(app)
         assert "▲ move_to_shelf silent" in screen_text(app)
-
-
-class ForeignClock(Node):
-    """Tells of a goal with a stamp from the epoch's first minutes: its clock was never set."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("foreign_clock", **options)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        status = GoalStatus(status=GoalStatus.STATUS_EXECUTING)
-        status.goal_info.goal_id.uuid = list(range(16))
-        status.goal_info.stamp.sec = 100
-        self.told = GoalStatusArray(status_list=[status])
-        self.status = self.create_publisher(
-            GoalStatusArray, "move_to_shelf/_action/status", latched
-        )
-        self.create_timer(0.5, lambda: self.status.publish(self.told))
-
-
-async def test_a_goal_stamped_by_another_clock_has_no_age_of_years() -> None:
-    async with robot(ForeignClock) as it:
-        await until(lambda: it.snapshot.goal)
-        assert it.snapshot.goal is not None
-        assert it.snapshot.goal.elapsed(clock.seconds()) < 60.0
-
-
-class Refuses(Node):
-    """Says why it refuses the first time only."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("motor_controller", **options)
-        self.asked = 0
-        self.action = ActionServer(
-            self, MoveToShelf, "move_to_shelf", self.drive, goal_callback=self.refuse
-        )
-
-    def refuse(self, _: Any) -> GoalResponse:
-        self.asked += 1
-        if self.asked == 1:
-            self.get_logger().warning("Goal refused: the door is shut")
-        return GoalResponse.REJECT
-
-    async def drive(self, _: Any) -> MoveToShelf.Result:
-        return MoveToShelf.Result()
-
-
-async def test_the_reason_of_a_refusal_is_not_given_for_the_next_one() -> None:
-    async with robot(Refuses, offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).text == "the door is shut"
-        assert (await ended(go(it, 4))).text == "refused, no reason given"
 
 
 def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
@@ -268,25 +171,6 @@ def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> N
     others.on_parameter("/motor", "speed", 1.0, 0.5, 10.0)
     others.author = CLIENT  # it has left since
     assert others.take_due(15.0) == ["motor speed changed by another console: 0.5, was 1.0"]
-
-
-class MotionNode(Node):
-    """A node that publishes whether its robot is stopped."""
-
-    def __init__(self, name: str, is_stopped: bool, **options: Any) -> None:
-        super().__init__(name, **options)
-        motion = self.create_publisher(MotorStatus, "motor_status", 10)
-        told = MotorStatus(emergency_stopped=is_stopped)
-        self.create_timer(0.2, lambda: motion.publish(told))
-
-
-async def test_readings_of_two_robots_that_come_mixed_are_no_doing_of_another_client() -> None:
-    makers = partial(MotionNode, "a", True), partial(MotionNode, "b", False)
-    async with robot(*makers) as it:
-        await until(lambda: "motor_status" in it.snapshot.publishers)
-        later = clock.seconds() + 6.0
-        await until(lambda: clock.seconds() > later)
-        assert not any("another client" in event.text for event in it.snapshot.events)
 
 
 class Dazed(Node):

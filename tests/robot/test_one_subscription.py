@@ -10,8 +10,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float32
 
 from archo_tui.recordings.replay.state import RecordedTopics
-from archo_tui.robot.node import Listener
-from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.node import ConsoleNode
+from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
@@ -79,9 +79,9 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
     file = here / "base.yaml"
     refused = FILE.replace("topic: level", "topic: refused", 1)
     file.write_text(refused + "record: [refused, unread]\n")
-    subscribe = Listener.create_subscription
+    subscribe = ConsoleNode.create_subscription
 
-    def refusing(self: Listener, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
+    def refusing(self: ConsoleNode, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
         if topic in ("/refused", "/unread"):
             raise RuntimeError("incompatible type")
         return subscribe(self, kind, topic, *rest, **options)
@@ -92,7 +92,7 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
             self.create_publisher(Float32, "refused", 10)
             self.create_publisher(Float32, "unread", 10)
 
-    monkeypatch.setattr(Listener, "create_subscription", refusing)
+    monkeypatch.setattr(ConsoleNode, "create_subscription", refusing)
     async with robot(Both, robot=file) as it:
         await until(lambda: it.snapshot.gauges[0].value == 80.0)
         reason = "RuntimeError: incompatible type"

@@ -10,7 +10,7 @@ import pytest
 from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rclpy.node import Node
 
-from archo_tui.robot.snapshot_sender import PERIOD as SENT
+from archo_tui.robot.runtime import PERIOD as SENT
 from tests.support import chosen
 from tests.support.clock import seconds
 from tests.support.quiet import until

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import threading
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -14,21 +12,18 @@ from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
 from rclpy.action import ActionServer, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
-from archo_tui.text.goal import goal_line
-from archo_tui.text.state import plain_text
 from tests.support import chosen, clock
-from tests.support.archo import SHELF, go, reset
+from tests.support.archo import go, reset
+from tests.support.by_hand import ByHand
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
 from tests.support.ros import begin
@@ -129,16 +124,6 @@ async def test_the_servers_own_refusal_is_passed_on() -> None:
         assert outcome == (Code.REFUSED, "the encoder is stuck")
 
 
-async def test_a_server_that_hangs_gives_no_answer_and_the_next_call_works() -> None:
-    hang = threading.Event()
-    async with robot(server(hang=hang), offers="reset_encoder") as it:
-        outcome = await ended(reset(it))
-        assert outcome.code == Code.TIMEOUT
-        assert outcome.text.startswith("no answer in ")
-        hang.set()
-        assert (await ended(reset(it))).text == "the encoder is stuck"
-
-
 async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
     unspun: list[Node] = []
 
@@ -178,7 +163,8 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
 async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -> None:
     hang = threading.Event()
     async with robot(server(hang=hang), offers="reset_encoder") as it:
-        await ended(reset(it))  # the server hangs in this one, and has not seen the goal
+        hung = await ended(reset(it))  # the server hangs in it, and has not seen the goal
+        assert (hung.code, hung.text[:13]) == (Code.TIMEOUT, "no answer in ")
         outcome = await ended(go(it, 3))
         assert not outcome.ok
         assert it.snapshot.goal is not None
@@ -186,6 +172,7 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
         assert it.snapshot.goal.is_running
         hang.set()
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ARRIVED)
+        assert (await ended(reset(it))).text == "the encoder is stuck"
 
 
 @pytest.mark.parametrize(("end", "phase"), [("succeed", Phase.ARRIVED), ("abort", Phase.ABORTED)])
@@ -264,7 +251,7 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
 
     real = load_class
     monkeypatch.setattr(
-        "archo_tui.robot.readings.subscriptions.load_class",
+        "archo_tui.robot.telemetry.load_class",
         lambda name: None if name == "std_msgs/msg/Float32" else real(name),
     )
 
@@ -280,71 +267,30 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
         assert [e.count for e in it.snapshot.events] == [1]
 
 
-async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
-    release = threading.Event()
-
-    def hang(request: Any, response: Any) -> Any:
-        with clock.stuck():
-            release.wait(30)
-        return yes(request, response)
-
-    async with robot(stopping(EmergencyStop, hang), offers="emergency_stop") as it:
-        outcome = await ended(it.emergency_stop())
-        assert outcome.text == "no answer in 2 s: use the hardware stop"
-        stop = it.snapshot.open_stop
-        assert stop is not None
-        await until(lambda: clock.seconds() > stop.asked + 6.0)
-        assert it.snapshot.open_stop == stop
-        release.set()
-
-
-class Sluggish(Node):
+class Sluggish(ByHand):
     """Answers the first goal only at last, and knows nothing of it meanwhile; the next at once."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("sluggish", **options)
-        self.asked: list[bytes] = []
-        self.cancelled: list[bytes] = []
         self.at_last: Future[bool] = Future()
-        self.never: Future[bool] = Future()
         self.answered = 0
-        impl: Any = MoveToShelf.Impl
-        self.impl, prefix = impl, "move_to_shelf/_action"
-        group = ReentrantCallbackGroup()
-        for kind, name, answer in (
-            (impl.SendGoalService, "send_goal", self.accept),
-            (impl.GetResultService, "get_result", self.result),
-            (impl.CancelGoalService, "cancel_goal", self.cancel),
-        ):
-            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
         self.create_timer(0.2, self.tell)
 
+    def tell(self) -> None:
+        if len(self.goal_ids) > 1:
+            self.feed(self.goal_ids[1], 5.0)
+
     async def accept(self, request: Any, response: Any) -> Any:
-        self.asked.append(bytes(request.goal_id.uuid))
-        if len(self.asked) == 1:
+        await super().accept(request, response)
+        if len(self.goal_ids) == 1:
             await self.at_last
         self.answered += 1
-        response.accepted = True
         return response
 
     async def result(self, request: Any, response: Any) -> Any:
-        if bytes(request.goal_id.uuid) != self.asked[0]:
+        if bytes(request.goal_id.uuid) != self.goal_ids[0]:
             await self.never
         return response  # its status is UNKNOWN
-
-    async def cancel(self, request: Any, response: Any) -> Any:
-        self.cancelled.append(bytes(request.goal_info.goal_id.uuid))
-        return response
-
-    def tell(self) -> None:
-        if len(self.asked) > 1:
-            message = self.impl.FeedbackMessage()
-            message.goal_id.uuid = list(self.asked[1])
-            message.feedback.distance_remaining = 5.0
-            self.feedback.publish(message)
 
 
 async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
@@ -357,7 +303,7 @@ async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
         begin(made[0], lambda: made[0].at_last.set_result(True))
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
-        await until(lambda: made[0].cancelled == made[0].asked[:1])  # else it would be driven
+        await until(lambda: made[0].cancelled == made[0].goal_ids[:1])  # else it would be driven
         goal: Any = it.snapshot.goal
         assert (goal.target, goal.phase, goal.started) == ("7", Phase.MOVING, before.started)
         assert [g.target for g in it.snapshot.history] == ["3"]
@@ -393,69 +339,6 @@ async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again
         made[2].destroy_node()
 
 
-class Stoppable(Node):
-    """Hears STOP and goals; answers to each only when it is told to."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("stoppable", **options)
-        self.group = ReentrantCallbackGroup()
-        self.stop_answer: Future[bool] = Future()
-        self.goal_answer: Future[bool] = Future()
-        self.goals_seen = 0
-        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=self.group)
-        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
-        self.action = ActionServer(
-            self,
-            MoveToShelf,
-            "move_to_shelf",
-            self.execute,
-            goal_callback=self.on_goal,
-            callback_group=self.group,
-        )
-
-    async def stop(self, request: Any, response: Any) -> Any:
-        response.success = await self.stop_answer
-        return response
-
-    async def on_goal(self, request: Any) -> GoalResponse:
-        self.goals_seen += 1
-        await self.goal_answer
-        return GoalResponse.ACCEPT
-
-    async def execute(self, goal: Any) -> Any:
-        await Future()
-
-    def answer(self, future: Future[bool]) -> None:
-        begin(self, lambda: future.set_result(True))
-
-
-@asynccontextmanager
-async def stoppable() -> AsyncIterator[tuple[Robot, Stoppable]]:
-    made: list[Stoppable] = []
-    async with robot(making(made, Stoppable), offers="emergency_stop move_to_shelf") as it:
-        yield it, made[0]
-
-
-async def test_a_goal_from_before_a_stop_does_not_confirm_it() -> None:
-    async with stoppable() as (it, node):
-        going = asyncio.ensure_future(go(it, 3))
-        await until(lambda: node.goals_seen)
-        assert not (await ended(it.emergency_stop())).ok
-        node.answer(node.goal_answer)
-        await ended(going)
-        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.MOVING)
-        assert it.snapshot.open_stop is not None
-
-
-async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() -> None:
-    async with stoppable() as (it, node):
-        assert not (await ended(it.emergency_stop())).ok
-        outcome = await ended(it.send(SHELF, {"shelf_number": 3}, queued=True))
-        assert outcome == (Code.HELD, "held: STOP")
-        assert it.snapshot.goal is None
-        assert node.goals_seen == 0
-
-
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
     made: list[Any] = []
     async with robot(making(made, quiet)) as it:
@@ -477,48 +360,10 @@ async def test_a_stop_that_nobody_serves_says_what_is_missing_and_is_not_forgott
         assert it.snapshot.open_stop is not None
         events = [event.text for event in it.snapshot.events if event.level == "YOU"]
         assert events == [f"STOP: {outcome.text}"]
-
-
-@pytest.mark.parametrize(
-    ("end", "success", "said"),
-    [
-        ("succeed", False, "the action says succeeded, its result says not"),
-        ("abort", True, "the action says aborted, its result says success"),
-    ],
-)
-async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
-    end: str, success: bool, said: str
-) -> None:
-    def execute(goal: Any) -> Any:
-        getattr(goal, end)()
-        return MoveToShelf.Result(success=success)
-
-    async with robot(driving(execute), offers="move_to_shelf") as it:
-        await ended(go(it, 3))
-        await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
-        goal: Any = it.snapshot.goal
-        assert (goal.phase, goal.message) == (Phase.DISPUTED, said)
-        await until(lambda: any(said in e.text for e in it.snapshot.events if e.level == "GOAL"))
-
-
-async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothing() -> None:
-    made: list[Any] = []
-    async with robot(making(made, driving(lambda _: Future())), offers="move_to_shelf") as it:
-        await ended(go(it, 3))
-        await until(lambda: made[0].goals)
-        for left in (9.0, math.nan, math.inf, -math.inf, -5.0):
-            said = "" if left == 9.0 else f"{left:g}"
-            feedback = MoveToShelf.Feedback(distance_remaining=left)
-            begin(made[0], made[0].goals[0].publish_feedback, feedback)
-            await until(
-                lambda said=said: (  # type: ignore[misc]
-                    it.snapshot.goal
-                    and it.snapshot.goal.remaining == 9.0
-                    and it.snapshot.goal.unreadable == said
-                )
-            )
-            text = plain_text(goal_line(it.snapshot, clock.seconds(), ""))
-            assert (f"? {said} m left" in text) == bool(said)
+        released = await ended(it.release_emergency_stop())
+        said = "no node has got the STOP, which is given up; nothing was sent"
+        assert released == (Code.DONE, said)
+        assert it.snapshot.open_stop is None
 
 
 @pytest.mark.parametrize("kind", [SetBool, Empty])
@@ -535,6 +380,7 @@ async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kin
         assert it.snapshot.open_stop is not None
         if kind is SetBool:  # called with a default, it would release
             assert called == []
+            assert "std_srvs/srv/SetBool" in it.snapshot.faults["emergency_stop"]
             assert outcome.code == Code.REFUSED
             assert outcome.text == (
                 "/emergency_stop is std_srvs/srv/SetBool, whose request differs: not called: "

@@ -30,14 +30,32 @@ from tests.support.states import STATES
 class Brake(Node):
     """Serves STOP: says yes, no, or nothing before it is woken; after so many seconds."""
 
-    def __init__(self, name: str, says: str = "yes", seconds: float = 0.0, **options: Any) -> None:
+    def __init__(
+        self,
+        name: str,
+        says: str = "yes",
+        seconds: float = 0.0,
+        *,
+        serves: bool = True,
+        **options: Any,
+    ) -> None:
         super().__init__(name, **options)
         self.says, self.seconds, self.asked = says, seconds, 0
         self.awake: Future[bool] = Future()
-        group = ReentrantCallbackGroup()
-        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.service: Any = None
+        if serves:
+            self.offer()
         self.battery = self.create_publisher(Float32, "battery_level", 10)
         self.create_timer(0.5, lambda: self.battery.publish(Float32(data=80.0)))
+
+    def offer(self) -> None:
+        group = ReentrantCallbackGroup()
+        self.service = self.create_service(
+            EmergencyStop, "emergency_stop", self.stop, callback_group=group
+        )
+
+    def leave(self) -> None:
+        self.destroy_service(self.service)
 
     async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
         self.asked += 1
@@ -49,24 +67,6 @@ class Brake(Node):
             await over
             self.destroy_timer(timer)
         response.success, response.message = self.says != "no", f"{self.get_name()} {self.says}"
-        return response
-
-
-class Late(Node):
-    """Is heard, and serves a STOP only once it is told to."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("late", **options)
-        self.asked = 0
-        self.battery = self.create_publisher(Float32, "battery_level", 10)
-        self.create_timer(0.5, lambda: self.battery.publish(Float32(data=80.0)))
-
-    def offer(self) -> None:
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-
-    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        self.asked += 1
-        response.success = True
         return response
 
 
@@ -172,12 +172,12 @@ async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> N
 
 
 async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it() -> None:
-    made: list[Late] = []
-    async with robot(making(made, Late)) as it:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "late", serves=False)) as it:
         await until(lambda: it.snapshot.battery.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         begin(made[0], made[0].offer)
-        said = "STOP, sent now: confirmed"
+        said = "STOP, sent now: confirmed: late yes"
         await until(lambda: said in {event.text for event in it.snapshot.events})
         assert made[0].asked == 1
         assert it.snapshot.open_stop is None

@@ -252,19 +252,55 @@ def lost(times: Iterable[float]) -> tuple[Period, list[float]]:
     return period, found
 
 
-@pytest.mark.pure
-def test_bursts_that_are_far_apart_are_missed_once() -> None:
-    """The robot may have died: what is heard first says no more than that."""
-    period, silences = lost(bursts(20, 0.1, 60.0))
-    assert silences == [61.9]
-    assert period.typical == pytest.approx(60.0)
+def regular(at: float, count: int) -> list[float]:
+    """Return the times (s) of messages at 5 Hz from a time on, without the first."""
+    return [at + 0.2 * number for number in range(1, count)]
+
+
+def restarts() -> list[float]:
+    """Return the times (s) of a robot whose starts take 10 s, and that runs as long as it does."""
+    times = [0.0]
+    for runs in (40.0, 15.0, 90.0, 20.0):
+        times += regular(times[-1], round(runs / 0.2))
+        times.append(times[-1] + 10.0)
+    return [*times, *regular(times[-1], 100)]
+
+
+def slower(factor: float) -> list[float]:
+    """Return the times (s) of a link that grows slower and slower."""
+    times = [0.0, *regular(0.0, 100)]
+    for number in range(8):
+        times.append(times[-1] + 4.0 * factor**number)
+    return times
+
+
+def crashes() -> list[float]:
+    """Return the times (s) of a node that crashes while the robot boots, and runs at last."""
+    times = [*bursts(15, 0.2, 5.0, total=60.0)]
+    assert lost(times)[0].typical == pytest.approx(5.0)
+    return [*times, *regular(times[-1], 200)]
 
 
 @pytest.mark.pure
-def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None:
-    period, silences = lost(bursts(100, 0.1, 5.0))
-    assert silences == [14.9, 29.8, 44.7]
-    assert period.typical == pytest.approx(5.0, abs=0.11)
+@pytest.mark.parametrize(
+    ("times", "missed", "typical"),
+    [
+        ([*bursts(20, 0.1, 60.0)], 1, 60.0),  # The robot may have died.
+        ([*bursts(100, 0.1, 5.0)], 3, 5.0),
+        (restarts(), 4, 0.2),
+        (slower(1.5), 8, 0.2),
+        (slower(2.0), 8, 0.2),
+        ([0.0, 0.2, 0.4, 3.4, *regular(3.4, 60)], 0, 0.2),
+        (crashes(), 3, 0.2),
+    ],
+    ids=["far bursts", "long bursts", "restarts", "slower", "much slower", "a hiccup", "crashes"],
+)
+def test_a_silence_is_missed_until_it_is_typical(
+    times: list[float], missed: int, typical: float
+) -> None:
+    period, silences = lost(times)
+    assert len(silences) == missed
+    assert period.typical == pytest.approx(typical, abs=0.11)
 
 
 def with_outages(*outages: float, each: float) -> list[float]:
@@ -291,29 +327,6 @@ def test_outages_while_a_robot_boots_do_not_dull_its_silence(
 
 
 @pytest.mark.pure
-def test_a_robot_that_was_restarted_three_times_is_missed_as_soon_as_before() -> None:
-    """Each of its starts takes the same time, and it ran as long as it happened to."""
-    times = [0.0]
-    for runs in (40.0, 15.0, 90.0, 20.0):
-        times += [times[-1] + 0.2 * number for number in range(1, round(runs / 0.2))]
-        times.append(times[-1] + 10.0)
-    times += [times[-1] + 0.2 * number for number in range(1, 100)]
-    period, silences = lost(times)
-    assert len(silences) == 4
-    assert period.typical == pytest.approx(0.2)
-
-
-@pytest.mark.pure
-def test_pauses_that_have_ended_are_typical_no_more() -> None:
-    """A node that crashed again and again while the robot booted runs well at last."""
-    times = [*bursts(15, 0.2, 5.0, total=60.0)]
-    assert lost(times)[0].typical == pytest.approx(5.0)
-    times += [times[-1] + 0.2 * number for number in range(1, 200)]
-    period, _ = lost(times)
-    assert period.typical == pytest.approx(0.2)
-
-
-@pytest.mark.pure
 def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> None:
     times = with_outages(7.0, 9.0, each=1.0)[:12]
     for _ in range(8):
@@ -321,24 +334,6 @@ def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> 
     period, silences = lost(times)
     assert len(silences) <= 3
     assert period.typical == 4.0
-
-
-@pytest.mark.pure
-@pytest.mark.parametrize("factor", [1.5, 2.0])
-def test_a_link_that_grows_slower_and_slower_is_noticed_each_time(factor: float) -> None:
-    times = [0.2 * number for number in range(100)]
-    for number in range(8):
-        times.append(times[-1] + 4.0 * factor**number)
-    period, silences = lost(times)
-    assert len(silences) == 8
-    assert period.typical == pytest.approx(0.2)
-
-
-@pytest.mark.pure
-def test_a_hiccup_at_the_start_is_not_typical() -> None:
-    period, silences = lost([0.0, 0.2, 0.4, 3.4, *(3.4 + 0.2 * number for number in range(1, 60))])
-    assert silences == []
-    assert period.typical == pytest.approx(0.2)
 
 
 def test_a_node_has_the_rate_of_what_it_still_says() -> None:

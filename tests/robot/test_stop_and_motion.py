@@ -14,7 +14,7 @@ from archo_tui.robot.state.snapshot import Latch
 from archo_tui.text.state import motion_word, plain_text
 from tests.robot.test_several_servers import Brake, Drive, alarms
 from tests.support import clock
-from tests.support.archo import go
+from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
 
@@ -119,12 +119,14 @@ async def test_of_two_nodes_that_tell_of_the_motion_none_confirms_a_stop() -> No
     other: list[Wheels] = []
     makers = making(brakes, Brake, "brake", "nothing"), making([], Wheels)
     async with robot(*makers, making(other, Wheels, "other")) as it:
-        other[0].moving, other[0].stopped = False, True
         await until(lambda: "motor_status" in it.snapshot.publishers)
+        other[0].moving, other[0].stopped = False, True
         assert not (await ended(it.emergency_stop())).ok
         await until(lambda: brakes[0].asked > 1)  # it is sent again
-        await later(2.0)
+        await later(6.0)
         assert "stop not confirmed" in alarms(it)
+        # Readings that come mixed are no doing of another client.
+        assert [e.text for e in it.snapshot.events if "by another client" in e.text] == []
 
 
 async def test_no_goal_is_sent_behind_a_stop_that_is_not_confirmed() -> None:
@@ -138,6 +140,8 @@ async def test_no_goal_is_sent_behind_a_stop_that_is_not_confirmed() -> None:
         outcome = await ended(go(it, 5))
         said = "the STOP is not confirmed: release it first, or give it up"
         assert outcome == (Code.REFUSED, said)
+        queued = await ended(it.send(SHELF, {"shelf_number": 3}, queued=True))
+        assert queued == (Code.HELD, "held: STOP")
         asked = brakes[0].asked
         await until(lambda: brakes[0].asked > asked)  # it goes on to be sent
         assert (await ended(it.release_emergency_stop())).ok

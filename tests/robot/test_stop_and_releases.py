@@ -1,4 +1,4 @@
-"""A release that left before a STOP, and that a busy robot takes behind it."""
+"""A release or a goal that left before a STOP, and that a busy robot takes behind it."""
 
 from __future__ import annotations
 
@@ -12,11 +12,14 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.robot import calls
+from archo_tui.robot import node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.snapshot import Latch
+from archo_tui.robot.stop.gate import NOT_SENT
 from tests.support import clock
+from tests.support.archo import SHELF, go
+from tests.support.by_hand import ByHand
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
 from tests.support.ros import begin
@@ -125,15 +128,73 @@ async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None
 async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answered(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(calls, "LATE", 2.5)  # what a late answer to a STOP has
+    monkeypatch.setattr(node, "LATE", 2.5)  # what a late answer to a STOP has
     made: list[Busy] = []
     async with robot(making(made, Busy), offers="emergency_stop release_emergency_stop") as it:
         task = asyncio.ensure_future(by_its_key(it))
         await until(task.done)
         it.stops.register()
         assert (await ended(it.emergency_stop())).ok
-        later = clock.seconds() + 3 * calls.LATE
+        later = clock.seconds() + 3 * node.LATE
         await until(lambda: clock.seconds() >= later)
         made[0].wake()
         await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
         assert made[0].latched
+
+
+# A goal that was typed before a STOP, wherever it is by then.
+
+
+class Slow(ByHand):
+    """Takes a goal only when it is told to."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("slow", **options)
+        self.takes: Future[bool] = Future()
+
+    async def accept(self, request: Any, response: Any) -> Any:
+        await super().accept(request, response)
+        await self.takes
+        return response
+
+
+async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> None:
+    made: list[Slow] = []
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
+        task = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].goal_ids)
+        it.stops.register()
+        stop = asyncio.ensure_future(it.emergency_stop())
+        await until(lambda: it.snapshot.open_stop is not None)
+        begin(made[0], lambda: made[0].takes.set_result(True))
+        await until(task.done)
+        assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
+        await until(lambda: made[0].cancelled)
+        said = "shelf 3 was accepted after a STOP: cancelling it"
+        await until(lambda: said in [event.text for event in it.snapshot.events])
+        assert not (await ended(stop)).ok
+        assert it.snapshot.open_stop is not None  # A goal from before it does not confirm it.
+
+
+async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancelled() -> None:
+    made: list[Slow] = []
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
+        task = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].goal_ids)
+        it.stops.register()
+        assert (await ended(task)).code is Code.TIMEOUT
+        begin(made[0], made[0].feed, made[0].goal_ids[0], 9.0)
+        await until(lambda: made[0].cancelled)
+
+
+async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:
+    made: list[Slow] = []
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
+        with it.stops.typed_at(it.stops.count):
+            it.stops.register()
+            outcome = await ended(it.send(SHELF, {"shelf_number": 3}))
+            queued = await ended(it.send(SHELF, {"shelf_number": 4}, queued=True))
+        assert outcome == (Code.CANCELLED, NOT_SENT)
+        assert queued == (Code.HELD, NOT_SENT)  # it waits for the operator's word
+        assert made[0].goal_ids == []
+        assert it.snapshot.goal is None

@@ -13,9 +13,8 @@ from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from std_msgs.msg import Byte, Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
 from archo_tui.robot.state.graph import in_namespace
-from archo_tui.robot.state.topic import FieldKind, FieldView, TopicRequest
 from archo_tui.robot.topics import rows as row_module
-from archo_tui.robot.topics.rows import SPAN, TopicFields
+from archo_tui.robot.topics.rows import SPAN, FieldKind, FieldView, TopicFields, TopicRequest
 from archo_tui.robot_file.load import load
 from archo_tui.robot_file.model import field_units
 from tests.support.archo import ARCHO

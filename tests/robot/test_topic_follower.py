@@ -16,9 +16,9 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Float32, Float64, String, UInt8MultiArray
 
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.topics import inspect
 from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
+from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from tests.support import chosen
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot

@@ -87,15 +87,8 @@ async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.Mo
         await op.until("diagnostics: motor (left) was forgotten")
 
 
-async def test_a_part_that_falls_silent_is_stale() -> None:
-    async with field() as (op, node):
-        node.parts["base: fan"] = (DiagnosticStatus.OK, "turns")
-        await op.until(lambda: len(op.app.view.snapshot.diagnostics) == 2)
-        del node.parts["base: fan"]
-        await op.until("STALE base: fan (sn 12): no status for")
-
-
-async def test_a_name_with_odd_spaces_is_acknowledged_as_it_is_read() -> None:
+@pytest.mark.waits
+async def test_a_silent_part_grows_older_and_is_acknowledged_as_it_is_read() -> None:
     async with field() as (op, node):
         node.parts["base:  fan"] = (DiagnosticStatus.WARN, "slow")
         await op.until("WARN base:")
@@ -103,12 +96,7 @@ async def test_a_name_with_odd_spaces_is_acknowledged_as_it_is_read() -> None:
         outcome = await op.app.verbs["ack"].run(station, {"alarm": "diagnostics base: fan"})
         assert outcome.ok
         assert station.view.alarms[0].acknowledged
-
-
-@pytest.mark.waits
-async def test_a_silent_part_grows_older_in_the_list() -> None:
-    async with field() as (op, node):
-        node.parts.clear()
+        del node.parts[MOTOR]
         await op.until("STALE base: left motor (sn 12): no status for")
         await op.press("A", "enter")
         await op.until("? STALE base: left motor (sn 12): fine (old, ")

@@ -41,14 +41,6 @@ async def change(op: Console, *words: str) -> None:
         assert outcome.code is Code.DONE
 
 
-async def test_its_state_stands_behind_its_name() -> None:
-    async with managed() as (op, _):
-        await change(op, "configure")
-        await op.until("○ navigator inactive")
-        await change(op, "activate")
-        await op.until("● navigator active")
-
-
 async def test_its_transitions_are_buttons_in_its_dialog_and_ask() -> None:
     async with managed() as (op, _):
         await op.press("5", "enter")
@@ -64,12 +56,6 @@ async def test_its_transitions_are_buttons_in_its_dialog_and_ask() -> None:
         await op.until("lifecycle navigator configure: navigator is inactive")
 
 
-async def test_a_refusal_names_the_inactive_server() -> None:
-    async with managed() as (op, _):
-        await op.press("g", "3", "enter")
-        await op.until("/navigator is unconfigured")
-
-
 async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
     async with managed() as (op, _):
         robot, go_on = op.session.station.robot, threading.Event()
@@ -81,6 +67,10 @@ async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
         first, second = asked.result()
         assert "configure" in first
         assert first == second
+        lifecycle, station = op.app.verbs["lifecycle"], op.session.station
+        values = await lifecycle.prepare(station, {"node": "navigator"})  # A short name.
+        found = {"node": "/navigator", "state": "unconfigured"}
+        assert data_of(await lifecycle.run(station, values)) == found
 
 
 async def test_what_the_node_rejects_is_said() -> None:
@@ -97,10 +87,15 @@ async def test_what_the_node_rejects_is_said() -> None:
         assert outcome == (Code.REFUSED, "not possible in finalized: there are none")
 
 
-async def test_a_transition_under_a_running_goal_asks() -> None:
+async def test_its_state_is_shown_and_a_transition_under_a_running_goal_asks() -> None:
     async with managed() as (op, node):
-        await change(op, "configure", "activate")
         await op.press("g", "3", "enter")
+        await op.until("/navigator is unconfigured")  # It names the inactive server.
+        await change(op, "configure")
+        await op.until("○ navigator inactive")
+        await change(op, "activate")
+        await op.until("● navigator active")
+        await op.press("escape", "g", "3", "enter")
         await op.until("12.0 m left")
         verb = op.app.verbs["lifecycle"]
         question = verb.question(
@@ -179,13 +174,3 @@ async def test_no_call_makes_a_transition_without_the_question() -> None:
     async with managed() as (op, _):
         await op.press("C", *"change_state", "enter")
         await op.until("/navigator: type lifecycle /navigator")
-
-
-async def test_data_for_a_program_names_the_node_that_a_short_name_means() -> None:
-    async with managed() as (op, _):
-        lifecycle, station = op.app.verbs["lifecycle"], op.session.station
-        values = await lifecycle.prepare(station, {"node": "navigator"})
-        assert data_of(await lifecycle.run(station, values)) == {
-            "node": "/navigator",
-            "state": "unconfigured",
-        }

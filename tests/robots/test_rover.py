@@ -45,6 +45,10 @@ async def test_its_readings_are_shown_in_the_consoles_units_as_they_change() -> 
         assert "0.00 m/s" in op.text
         node.turning = 0.0
         await op.until("● IDLE")
+        node.speed, node.is_held = -0.3, True
+        await op.press("g", "1", "enter", "2", "enter", "0", "enter")
+        await op.until("-0.30 m/s")
+        await op.until("▶ MOVING")
         await op.until(lambda: "Temperature 31.5 °C" in op.words)
         node.celsius = 71.0
         await op.until(lambda: "▲ Temperature 71 °C, above 60" in op.words)
@@ -57,26 +61,13 @@ async def test_its_readings_are_shown_in_the_consoles_units_as_they_change() -> 
         assert "empty in" not in op.text
 
 
-async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
+async def test_a_goal_of_nested_fields_is_typed_field_by_field_beside_what_was_recalled() -> None:
     async with rover() as (op, node):
         node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
         await op.until("MOVING to x 1.5, y -2.0, yaw 90.0")
         await op.until("▶ MOVING")
         await op.until("m left of 5.0 m")
-        node.is_held = False
-        await op.until("✓ ARRIVED")
-        target = node.heard[0]
-        assert (target.frame_id, target.pose.position.x, target.pose.position.y) == ("map", 1.5, -2)
-        assert target.pose.orientation.z == pytest.approx(math.sqrt(0.5))
-        assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
-
-
-async def test_a_draft_of_several_fields_is_there_again_behind_what_was_recalled() -> None:
-    async with rover() as (op, node):
-        node.is_held = True
-        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
-        await op.until("MOVING to x 1.5")
         await op.press(*"3", "enter", *"4")
         typed = [[field.value for field in op.app.main.goal.fields]]
         for key in ("up", "up", "down", "down"):
@@ -84,14 +75,12 @@ async def test_a_draft_of_several_fields_is_there_again_behind_what_was_recalled
             typed.append([field.value for field in op.app.main.goal.fields])
         draft, sent = ["3", "4", ""], ["1.5", "-2", "90"]
         assert typed == [draft, sent, sent, draft, draft]
-
-
-async def test_it_is_moving_backwards_too() -> None:
-    async with rover() as (op, node):
-        node.speed, node.is_held = -0.3, True
-        await op.press("g", "1", "enter", "2", "enter", "0", "enter")
-        await op.until("-0.30 m/s")
-        await op.until("▶ MOVING")
+        node.is_held = False
+        await op.until("✓ ARRIVED")
+        target = node.heard[0]
+        assert (target.frame_id, target.pose.position.x, target.pose.position.y) == ("map", 1.5, -2)
+        assert target.pose.orientation.z == pytest.approx(math.sqrt(0.5))
+        assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
 async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None:

@@ -70,22 +70,19 @@ async def test_it_has_its_name_readings_and_words_is_sent_and_refuses() -> None:
 
 
 @pytest.mark.usefixtures("long_way")
-async def test_it_is_cancelled_on_the_way() -> None:
-    async with tug() as (op, _):
+async def test_it_is_cancelled_and_halted_on_the_way_and_its_release_asks() -> None:
+    async with tug() as (op, made):
         await op.press("g", "3", "enter")
         await op.until("m left of")
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED")
         assert "called back," in op.line("✗ CANCELLED")
         assert "m before bay 3" in op.line("✗ CANCELLED")
-
-
-@pytest.mark.usefixtures("long_way")
-async def test_stop_halts_it_and_its_release_asks() -> None:
-    async with tug() as (op, made):
         await op.press("g", "3", "enter")
         await op.until("m left of")
-        await op.press("ctrl+x")
+        await op.press("escape", "5", "home", "s")
+        await op.until("and /hauler serves halt and haul.")
+        await op.press("escape", "ctrl+x")
         await op.until("✗ STOPPED")
         assert made["Hauler"].latched
         await op.until("✗ ABORTED")
@@ -121,15 +118,6 @@ async def test_a_low_battery_is_an_alarm_with_its_own_key() -> None:
         await op.until("LOW BATTERY 20.0 %: dock the robot, or press p to charge")
         await op.press("a")
         await op.until(lambda: "(a acknowledge)" not in op.text)
-
-
-@pytest.mark.usefixtures("long_way")
-async def test_a_node_that_serves_its_stop_is_not_stopped_unasked() -> None:
-    async with tug() as (op, _):
-        await op.press("g", "3", "enter")
-        await op.until("m left of")
-        await op.press("escape", "5", "home", "s")
-        await op.until("and /hauler serves halt and haul.")
 
 
 async def test_it_is_operated_line_by_line() -> None:

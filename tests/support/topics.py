@@ -5,9 +5,14 @@ from __future__ import annotations
 from archo_interfaces.msg import BatteryStatus
 
 from archo_tui.robot.state.graph import TopicEnd, TopicInfo
-from archo_tui.robot.state.topic import FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
-from archo_tui.robot.topics.rows import shown_elements
+from archo_tui.robot.topics.rows import (
+    FieldKind,
+    FieldView,
+    TopicRequest,
+    TopicView,
+    shown_elements,
+)
 from tests.support.clock import TIME
 
 TYPE = "archo_interfaces/msg/BatteryStatus"

@@ -17,7 +17,6 @@ from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
 from archo_tui.robot.graph.interface_checks import forms_of
 from archo_tui.robot.messages.period import MessageRate
-from archo_tui.robot.readings.telemetry import Diagnostics, Telemetry
 from archo_tui.robot.state.events import OWN_LEVELS, Event, EventLog, LineCounter
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import (
@@ -29,6 +28,7 @@ from archo_tui.robot.state.graph import (
     node_states,
 )
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.telemetry import Diagnostics, Telemetry
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm

@@ -18,10 +18,9 @@ from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo, TopicEnd, TopicInfo
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
-from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.topics.inspect import PERIOD, SHARE, MessageIntake, TopicWatch
-from archo_tui.robot.topics.rows import SPAN
+from archo_tui.robot.topics.rows import SPAN, TopicRequest, TopicView
 from archo_tui.robot_file.model import field_units
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station

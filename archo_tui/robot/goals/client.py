@@ -1,7 +1,4 @@
-"""The goals of a robot's actions: sent, cancelled, asked about and listened to. ROS thread only.
-
-No rule is here: each event goes to the machine, and what it returns is carried out.
-"""
+"""The goals of a robot's actions: what the machine asks for is sent, what is heard is its event."""
 
 from __future__ import annotations
 
@@ -13,19 +10,20 @@ from typing import Any
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
-from rclpy.task import Future
+from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
+from rclpy.qos import qos_profile_action_status_default
+from unique_identifier_msgs.msg import UUID
 
-from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import calls
-from archo_tui.robot.calls import DEADLINE, Services
 from archo_tui.robot.goals import machine
-from archo_tui.robot.goals.action import GoalAction
 from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
 from archo_tui.robot.messages.period import Pause
+from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import goal_request
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import DEADLINE, ConsoleNode, require_all_answers
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.stop.gate import NEVER_LEFT, Gate
@@ -48,6 +46,97 @@ _CANCELING = GoalStatus.STATUS_CANCELING
 _RUNNING = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, _CANCELING)
 
 
+class GoalAction:
+    """The client of one action, and the subscriptions to its feedback and status."""
+
+    def __init__(
+        self,
+        node: ConsoleNode,
+        kind: GoalKind,  # Other kinds of the action share this object.
+        on_feedback: Callable[[GoalAction, Any], None],
+        on_status: Callable[[GoalAction, Any], None],
+        watching: bool,
+        since: float,  # When it is made, in Unix seconds.
+        is_exempt: bool,  # No STOP cancels its goals.
+    ) -> None:
+        self._node, self.kind, self.since, self.is_exempt = node, kind, since, is_exempt
+        self.name = str(node.resolve_service_name(kind.action))
+        # The goals of the last status from a single server; None before the first. `Goals` sets it.
+        self.reported: set[bytes] | None = None
+        self.type = load_class(kind.type)  # None if it is not installed here: nothing is sent.
+        self._client: Any = None  # None in a console that only watches.
+        if self.type is None:
+            return
+        if not watching:
+            self._client = ActionClient(node, self.type, kind.action)
+        self._topics, impl = f"{kind.action}/_action", self.type.Impl
+        self._results = node.create_client(impl.GetResultService, f"{self._topics}/get_result")
+        # rclpy's client would drop a goal's feedback once its result is requested a second time.
+        node.listen_quietly(
+            impl.FeedbackMessage,
+            f"{self._topics}/feedback",
+            lambda message: on_feedback(self, message),
+            10,
+        )
+        node.listen_quietly(
+            impl.GoalStatusMessage,
+            f"{self._topics}/status",
+            lambda message: on_status(self, message),
+            qos_profile_action_status_default,
+        )
+
+    def close(self) -> None:
+        """Destroy the client."""
+        if self._client is not None:
+            self._client.destroy()
+
+    @property
+    def is_served(self) -> bool:
+        """True if a server of the action is found; False if its type is not installed here."""
+        if self.type is None:
+            return False
+        if self._client is None:
+            return bool(self._results.service_is_ready())
+        return bool(self._client.server_is_ready())
+
+    @property
+    def _servers(self) -> int:
+        """The number of servers of the action; normally 1. Each request reaches all of them."""
+        return int(self._node.count_services(f"{self._topics}/cancel_goal"))
+
+    @property
+    def is_alone(self) -> bool:
+        """True if a single server reports the status; each of several reports only its goals."""
+        return self._node.count_publishers(f"{self._topics}/status") == 1
+
+    def send(self, goal_id: bytes, request: Any) -> Any:
+        """Send a goal; return the future of rclpy's handle, which tells if it was accepted."""
+        return self._client.send_goal_async(request, goal_uuid=_uuid(goal_id))
+
+    def cancel(self, goal_id: bytes) -> Any:
+        """Request the cancel of a goal, accepted or not; return the future of the answer.
+
+        It ends with the answer of the server that cancels the goal, else when all have answered.
+        """
+        accepted = self.type.Impl.SendGoalService.Response(accepted=True)
+        handle = ClientGoalHandle(self._client, _uuid(goal_id), accepted)
+        future = handle.cancel_goal_async()
+        require_all_answers(future, self._servers, lambda a: len(a.goals_canceling) > 0)
+        return future
+
+    def ask_result(self, goal_id: bytes) -> Any:
+        """Ask for the result of a goal, which its server sends when the goal has ended."""
+        request = self.type.Impl.GetResultService.Request(goal_id=_uuid(goal_id))
+        future = self._results.call_async(request)
+        known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
+        require_all_answers(future, self._servers, known)
+        return future
+
+
+def _uuid(goal_id: bytes) -> UUID:
+    return UUID(uuid=list(goal_id))
+
+
 class _Record:
     """A goal's state in the machine, with what it takes to send to its server."""
 
@@ -67,29 +156,21 @@ class _Record:
 
 
 class Goals:
-    """The goals that run, and the last ones that ended.
-
-    Attributes:
-        exempt: The full names of the actions whose goals no STOP cancels.
-        sending_has_ended: True to refuse every further goal: the console ends.
-        history: The last goals that ended, the newest first.
-    """
+    """The goals that run, and the last ones that ended."""
 
     def __init__(
         self,
-        node: Listener,
-        clock: Clock,
-        pending: Services,
+        runtime: Runtime,
         on_change: Callable[[bool], None],  # With True for a new goal or phase.
-        note: Callable[[str, str], None],  # Level and text of what no verb reports any more.
         on_end: Callable[[Goal, str], None],  # Unless its verb reports the end.
         exempt: Collection[str],  # The actions whose goals no STOP cancels.
         watching: bool = False,
     ) -> None:
-        self._node, self._clock, self._services = node, clock, pending
-        self._on_change, self._note, self._on_end = on_change, note, on_end
+        self._node, self._clock = runtime.node, runtime.clock
+        self._note = runtime.reporter.note  # Of what no verb reports any more.
+        self._on_change, self._on_end = on_change, on_end
         self._watching = watching
-        self.exempt = {str(node.resolve_service_name(name)) for name in exempt}
+        self.exempt = {str(self._node.resolve_service_name(name)) for name in exempt}
         self._actions: dict[tuple[str, str], GoalAction] = {}  # By name and type.
         self._numbers = itertools.count(1)
         self._coming: list[_Record] = []  # Of this console, about to be sent.
@@ -98,8 +179,8 @@ class Goals:
         self._ended_ids: deque[bytes] = deque(maxlen=_ENDED_IDS)
         self._refusals: deque[str] = deque(maxlen=5)  # Reasons in the log.
         self._pause = Pause()
-        self.history: deque[Goal] = deque(maxlen=HISTORY)
-        self.sending_has_ended = False
+        self.history: deque[Goal] = deque(maxlen=HISTORY)  # The newest first.
+        self.sending_has_ended = False  # True to refuse every further goal: the console ends.
 
     @property
     def goal(self) -> Goal | None:
@@ -215,9 +296,7 @@ class Goals:
     ) -> Outcome:
         """Send a goal; return when it was accepted, refused, or not answered within DEADLINE.
 
-        For an action that is not tracked yet, a server is waited for first. A goal that a STOP or a
-        cancel reaches before it is accepted is cancelled as soon as it is. Raises Void if a STOP
-        was read after the goal was typed; then nothing was sent.
+        Raises Void if a STOP was read after the goal was typed; then nothing was sent.
         """
         is_known, action = (kind.action, kind.type) in self._actions, self.track(kind)
         if action.type is None:
@@ -243,20 +322,17 @@ class Goals:
     async def _wait_while(self, holds: Callable[[], bool]) -> None:
         end = self._clock.monotonic() + DEADLINE
         while holds() and self._clock.monotonic() < end:
-            await self._services.pause(FIND_PERIOD)
+            await self._node.pause(FIND_PERIOD)
 
     async def _send(self, record: _Record, request: Any) -> Outcome:
-        now, turn = self._clock.monotonic, self._services.next_turn()
+        now, turn = self._clock.monotonic, self._node.next_turn()
         self._refusals.clear()
         self._add(record, record.state.leaving(now(), turn, next(self._numbers)))
-        answered: Future[bool] = Future(executor=self._node.executor)
 
-        def on_answer(done: Any) -> None:
-            handle = done.result()
+        def on_answer(_is_late: bool) -> None:
+            handle = future.result()
             if handle is not None:
                 self._on_answer(record, is_accepted=handle.accepted)
-            answered.set_result(True)
-            calls.wake(self._node)
 
         try:
             future = record.action.send(record.id, request)
@@ -264,9 +340,7 @@ class Goals:
             reason = f"not sent: {in_one_line(error)}"
             self._become(record, record.state.fire(Event.REFUSED, now(), reason))
             return Outcome(Code.REFUSED, reason)
-        future.add_done_callback(on_answer)
-        self._services.cancel_at_deadline(answered)
-        if await answered is None:
+        if not await self._node.in_time(future, DEADLINE, on_answer):
             self._become(record, record.state.fire(Event.NO_ANSWER, now()))
             text = f"no answer in {DEADLINE:g} s: the goal may be running"
             return Outcome(Code.TIMEOUT, text)
@@ -296,7 +370,7 @@ class Goals:
         """Return why a goal was refused, from the robot's log: an action's answer has no reason."""
         end = self._clock.monotonic() + _REASON_WAIT
         while not self._refusals and self._clock.monotonic() < end:
-            await self._services.pause(0.02)
+            await self._node.pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
     def on_refusal_log(self, reason: str) -> None:
@@ -306,11 +380,7 @@ class Goals:
     # Cancelling.
 
     async def cancel(self, *, another: bool) -> Outcome:
-        """Cancel the goal of this console, or the shown one of another client.
-
-        A goal that is about to be sent is not sent (ACCEPTED); for one that is not accepted yet,
-        this waits up to DEADLINE. The end of the goal comes later.
-        """
+        """Cancel this console's goal, or the shown one of another client; its end comes later."""
         if self._coming and not another:
             for coming in self._coming:
                 coming.state = coming.state.called_off()
@@ -326,7 +396,7 @@ class Goals:
         if record.state.goal.phase in (Phase.SENT, Phase.UNKNOWN):
             return Outcome(Code.TIMEOUT, "the goal is not accepted yet: it is cancelled when it is")
         while record.cancel_outcome is None and record.state.is_running:
-            await self._services.pause(FIND_PERIOD)
+            await self._node.pause(FIND_PERIOD)
         if record.cancel_outcome is not None:
             return record.cancel_outcome
         text = f"the goal was not driven: {record.state.goal.message}".rstrip(": ")
@@ -359,17 +429,12 @@ class Goals:
 
     async def _in_time(self, future: Any) -> Any:
         """Return the answer to a cancel; None after CANCEL_WAIT: a later rejection is an event."""
-        in_time: Future[bool] = Future(executor=self._node.executor)
 
-        def on_answer(done: Any) -> None:
-            if in_time.cancelled() and not len(done.result().goals_canceling):
+        def on_answer(is_late: bool) -> None:
+            if is_late and not len(future.result().goals_canceling):
                 self._note("WARN", "the robot rejected the cancel (its answer came late)")
-            in_time.set_result(True)
-            calls.wake(self._node)
 
-        future.add_done_callback(on_answer)
-        self._services.cancel_at_deadline(in_time, wait=CANCEL_WAIT)
-        return future.result() if await in_time else None
+        return future.result() if await self._node.in_time(future, CANCEL_WAIT, on_answer) else None
 
     def cancel_from_before(self, turn: int, *, mine: bool) -> None:
         """Cancel the goals from before a STOP: those of this console, or those of others."""
@@ -385,10 +450,7 @@ class Goals:
     async def cancel_all(
         self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool = False
     ) -> Outcome:
-        """Cancel every goal of these and of other actions, and return what came of it.
-
-        Servers of the first are waited for until a time.
-        """
+        """Cancel every goal of these and of other actions, and return what came of it."""
         cancelled = await self._cancel_every(others, until, for_stop=for_stop)
         if cancelled is None:
             return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
@@ -402,10 +464,7 @@ class Goals:
     async def _cancel_every(
         self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool
     ) -> tuple[set[bytes], str] | None:
-        """Cancel all goals; return their ids, and who is silent, or None if there is no action.
-
-        All requests leave at once: an action that does not answer delays no other.
-        """
+        """Cancel all goals at once; return their ids, and who is silent; None without an action."""
         exempt = self.exempt if for_stop else set()
         asked: dict[str, Any] = {}
         while True:
@@ -415,7 +474,7 @@ class Goals:
                 asked[name] = self._task(self._cancel_goals_of, name)
             if len(served) == len(known) or self._clock.monotonic() >= until:
                 break
-            await self._services.pause(FIND_PERIOD)
+            await self._node.pause(FIND_PERIOD)
         answers = {name: await task for name, task in asked.items()}
         ids = set[bytes]().union(*(cancelled for cancelled, _ in answers.values()))
         silent = ", ".join(name for name, (_, is_answered) in answers.items() if not is_answered)
@@ -427,7 +486,7 @@ class Goals:
         name = f"{action}/_action/cancel_goal"
         servers = max(self._node.count_services(name), 1)
         request = CancelGoal.Request()  # In action_msgs, no id and no time mean all goals.
-        answers = await self._services.call_all(CancelGoal, name, request, servers, DEADLINE)
+        answers = await self._node.call_all(CancelGoal, name, request, servers, DEADLINE)
         ids = {bytes(g.goal_id.uuid) for answer in answers for g in answer.goals_canceling}
         return ids, len(answers) >= servers
 
@@ -481,7 +540,7 @@ class Goals:
 
     def _track(self, action: GoalAction, goal_id: bytes, phase: Phase, age: float) -> _Record:
         """Track a goal that another client sent, or that was GONE, and report it as an event."""
-        now, turn = self._clock.monotonic(), self._services.next_turn()
+        now, turn = self._clock.monotonic(), self._node.next_turn()
         state = machine.found(
             *(action.kind, phase, age, now, turn, next(self._numbers)),
             is_first=action.reported is None,

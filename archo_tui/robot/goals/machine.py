@@ -99,21 +99,13 @@ class GoalEffect(Enum):
 
 
 class TrackedGoal(NamedTuple):
-    """A goal from its request, or from when it was found, to its end.
+    """A goal from its request, or from when it was found, to its end."""
 
-    Attributes:
-        goal: What the operator is shown of it.
-        turn: When it was sent, or found: a STOP with a later turn is meant for it.
-        todo: What is to be sent now; whoever sends it takes it out.
-        is_cancelled: True if the operator cancelled it before it was known to be accepted.
-        must_not_run: True once it is cancelled since it was accepted too late.
-    """
-
-    goal: Goal
-    turn: int = 0
-    todo: tuple[GoalEffect, ...] = ()
-    is_cancelled: bool = False
-    must_not_run: bool = False
+    goal: Goal  # What the operator is shown of it.
+    turn: int = 0  # When it was sent, or found: a STOP with a later turn is meant for it.
+    todo: tuple[GoalEffect, ...] = ()  # What is to be sent now; whoever sends it takes it out.
+    is_cancelled: bool = False  # The operator cancelled it before it was known to be accepted.
+    must_not_run: bool = False  # It is cancelled since it was accepted too late.
     before: Phase = Phase.MOVING  # The cancel; CANCELLING if the server is known to carry it out.
     awaited: int = 0  # Cancels that the phase tells, and that have not been answered yet.
     cancelled_unasked: float = -math.inf
@@ -355,10 +347,7 @@ class TrackedGoal(NamedTuple):
     # Its end.
 
     def is_back(self, now: float, *, is_served: bool) -> bool:
-        """Return True if feedback shows that a GONE goal runs.
-
-        Feedback from before its node left may be read a little later.
-        """
+        """Return True if feedback shows that a GONE goal runs, and was not merely read late."""
         return is_served and now - (self.goal.ended or now) >= NOBODY_SERVES
 
     def found_again(self, found: TrackedGoal, *, is_void: bool) -> TrackedGoal:
@@ -388,10 +377,7 @@ def found(
     *,
     is_first: bool = True,
 ) -> TrackedGoal:
-    """Return a goal of another client, as it is tracked from now on.
-
-    If no message told before which goals there are (`is_first`), it may have been underway.
-    """
+    """Return a goal of another client, as it is tracked from now on."""
     begun = now - age if 0 <= age <= LONGEST_AGE else now
     goal = Goal(
         *(kind, {}, phase, begun, 0.0),
@@ -422,10 +408,7 @@ def refusal(
 
 
 def end_text(before: Goal, goal: Goal) -> str:
-    """Return how a goal ended: `shelf 12 arrived: MESSAGE`; "" if its verb reports that.
-
-    The robot's message alone is returned if it has both the goal's name and the word for its phase.
-    """
+    """Return how a goal ended: `shelf 12 arrived: MESSAGE`; "" if its verb reports that."""
     if goal.phase is Phase.REFUSED and before.phase is Phase.SENT:
         return ""
     word, message = goal.word.lower(), goal.message.lower()
@@ -443,11 +426,7 @@ def _result_text(kind: GoalKind, result: Any) -> str:
 
 
 def feedback_changes(goal: Goal, feedback: Any, now: float) -> dict[str, Any]:
-    """Return the fields of a goal that a feedback message changes, with new values.
-
-    If the robot file names the field with the remainder, only that is read: a number from 0 to
-    FARTHEST becomes `remaining`, and perhaps `length`; any other value becomes `unreadable`.
-    """
+    """Return the fields of a goal that a feedback message changes, with new values."""
     remaining = goal.kind.remaining
     if remaining is None:
         return {"feedback": one_line(feedback)}

@@ -27,23 +27,15 @@ _REASONS = {Code.CANCELLED: "cancelled", Code.TIMEOUT: "no answer"}
 
 
 class QueuedGoal(NamedTuple):
-    """A goal that is wanted.
-
-    Attributes:
-        values: By dotted path in the goal message.
-        stop_count: STOPs that had been read when it was typed, or when the queue was continued.
-        number: Names it in the queue, counted from 1.
-        list_number: The same for each goal of one line.
-        is_first: True if without it the others of its list are not driven.
-    """
+    """A goal that is wanted."""
 
     kind: GoalKind
-    values: Mapping[str, Any]
-    stop_count: int = 0
+    values: Mapping[str, Any]  # By dotted path in the goal message.
+    stop_count: int = 0  # STOPs that had been read when it was typed, or the queue continued.
     requester: Requester = YOU
-    number: int = 0
-    list_number: int = 0
-    is_first: bool = False
+    number: int = 0  # Names it in the queue, counted from 1.
+    list_number: int = 0  # The same for each goal of one line.
+    is_first: bool = False  # Without it the others of its list are not driven.
 
     @property
     def text(self) -> str:
@@ -90,21 +82,14 @@ class OnItsWay(NamedTuple):
 
 
 class GoalQueue(NamedTuple):
-    """The goals that are wanted and not settled yet.
+    """The goals that are wanted and not settled yet."""
 
-    Attributes:
-        waiting: The goals that wait, the next one first.
-        hold_reason: Why they are held, in words; "" if they are not.
-        coming: The goal on its way; None if there is none.
-        underway: The goals that the robot accepted, each with the newest goal's number before it.
-        todo: What is to be done now; whoever does it takes it out.
-    """
-
-    waiting: tuple[QueuedGoal, ...] = ()
-    hold_reason: str = ""
+    waiting: tuple[QueuedGoal, ...] = ()  # The next one first.
+    hold_reason: str = ""  # Why they are held, in words; "" if they are not.
     coming: OnItsWay | None = None
+    # The goals that the robot accepted, each with the newest goal's number before it.
     underway: tuple[tuple[QueuedGoal, int], ...] = ()
-    todo: tuple[Deed, ...] = ()
+    todo: tuple[Deed, ...] = ()  # What is to be done now; whoever does it takes it out.
     alarm: str = ""  # The alarm that holds the queue; its name changes when it is over.
     continued: str = ""  # Why it was held until the operator continued, just now.
     ended: frozenset[int] = frozenset()  # The numbers of the ended goals that were shown last.

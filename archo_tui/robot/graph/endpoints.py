@@ -1,7 +1,4 @@
-"""The QoS of a topic's ends: which QoS fits its publishers, and which ends do not match.
-
-An end is a publisher or a subscription, given as rclpy's `TopicEndpointInfo`. No input or output.
-"""
+"""The QoS of a topic's ends: which QoS fits its publishers, and which ends do not match."""
 
 from __future__ import annotations
 
@@ -35,11 +32,7 @@ def is_latched(publishers: Sequence[Any]) -> bool:
 
 
 def fitting_qos(publishers: Sequence[Any], depth: int = DEPTH) -> QoSProfile:
-    """Return the QoS with which a subscription gets the messages of all publishers.
-
-    It is reliable only if all publishers are, and transient local only if all are: a subscription
-    gets nothing from a publisher that offers less than it asks for.
-    """
+    """Return the QoS with which a subscription gets the messages of all publishers."""
     latched = is_latched(publishers)
     reliable = all(p.qos_profile.reliability == ReliabilityPolicy.RELIABLE for p in publishers)
     return QoSProfile(
@@ -52,11 +45,7 @@ def fitting_qos(publishers: Sequence[Any], depth: int = DEPTH) -> QoSProfile:
 def topic_info(
     topic: str, publishers: Sequence[Any], subscriptions: Sequence[Any], console: str
 ) -> TopicInfo:
-    """Return the publishers and subscriptions of a topic, sorted, and the pairs that do not match.
-
-    Subscriptions of hidden nodes are left out, except the console's own. The arguments are those of
-    `mismatches`.
-    """
+    """Return the publishers and subscriptions of a topic, and the pairs that do not match."""
     shown = [end for end in subscriptions if "/_" not in _node(end) or _node(end) == console]
     return TopicInfo(
         tuple(sorted(map(_end, publishers))),
@@ -140,10 +129,7 @@ def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] 
 
 
 def _hash(info: Any) -> str:
-    """Return the first eight digits of a type's hash; "" before ROS 2 Iron, or if DDS has none.
-
-    The whole hash is `RIHS01_` and 64 digits (REP 2016), or `INVALID`.
-    """
+    """Return the first eight digits of a type's hash; "" before ROS 2 Iron, or if DDS has none."""
     version, _, digits = str(getattr(info, "topic_type_hash", "")).partition("_")
     return digits[:_SHOWN] if version.startswith("RIHS") else ""
 

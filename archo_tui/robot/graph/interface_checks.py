@@ -1,7 +1,4 @@
-"""The checks of the robot file's services and actions against the types on the graph.
-
-Only what fits is called. All of it runs on the ROS thread.
-"""
+"""The checks of the robot file's services and actions against the types on the graph."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.typed import is_number
 from archo_tui.robot.messages.types import TypedField, field_paths, field_types, kinds, load_class
-from archo_tui.robot.messages.values import checked, filled, goal_request
+from archo_tui.robot.messages.values import filled, goal_request, put
 from archo_tui.robot_file import check, model
 
 
@@ -43,34 +40,32 @@ class InterfaceChecks:
             types = self._graph.served_types(full)
         return types[0] if len(types) == 1 else ""
 
-    def fitting_class(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
-        """Return the class of a service whose request has these fields, or None and the reason."""
+    def request(self, name: str, values: Mapping[str, Any]) -> tuple[Any, Any, str]:
+        """Return the class of a service and a request with these fields, or why none fits."""
         full, kind = self.full(name), self._type(name)
         if not kind:
-            return None, f"{full} has servers of different types: not called"
+            return None, None, f"{full} has servers of different types: not called"
         srv_type = load_class(kind)
         if srv_type is None:
-            return None, check.not_installed(full, kind)
-        if kinds(srv_type.Request).keys() != values.keys():
-            return None, f"{full} is {kind}, whose request differs: not called"
+            return None, None, check.not_installed(full, kind)
         types = kinds(srv_type.Request)
+        if types.keys() != values.keys():
+            return None, None, f"{full} is {kind}, whose request differs: not called"
+        made = srv_type.Request()
         for field, value in values.items():
             try:
-                checked(types[field], value, field)
+                put(made, field, value)
             except ValueError:
-                return None, f"{full} is {kind}, whose {field} is {types[field]}: not called"
-        return srv_type, ""
+                fault = f"{full} is {kind}, whose {field} is {types[field]}: not called"
+                return None, None, fault
+        return srv_type, made, ""
 
     def misfits(self) -> dict[str, str]:
-        """Return why services and actions are not used, by their names in the robot file.
-
-        Those that fit are left out. What is not on the graph yet is left out, too, except actions
-        in `unfit`.
-        """
+        """Return why services and actions are not used, by their names in the robot file."""
         found: dict[str, str] = {}
         for name, values in self._requests():
             if name in self._graph.offered and not found.get(name):
-                found[name] = self.fitting_class(name, values)[1]
+                found[name] = self.request(name, values)[2]
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
             fault = check.unexpected_type(kind.action, types, (kind.type,))
@@ -89,10 +84,7 @@ class InterfaceChecks:
             yield stop.release, stop.release_request
 
     def cancel_commands(self) -> str:
-        """Return the `ros2` command lines that cancel all goals of the robot file's actions.
-
-        They stand in one line, with `; ` between them.
-        """
+        """Return the `ros2` command lines that cancel all goals of the robot file's actions."""
         names = [self.full(kind.action) for kind in self._robot.goals]
         return "; ".join(ros2_command.cancel(name) for name in names)
 
@@ -100,14 +92,9 @@ class InterfaceChecks:
         """Return the `ros2` command line that calls a service."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
-        srv_type = load_class(types[0]) if len(types) == 1 else None
-        if srv_type is None or kinds(srv_type.Request).keys() != fields.keys():
-            return ""
-        try:
-            request = filled(srv_type.Request(), fields)
-        except ValueError:  # The call itself reports why.
-            return ""
-        return ros2_command.service_call(full, types[0], request)
+        # With several types the graph would be asked, on the ROS thread only.
+        request = self.request(name, fields)[1] if len(types) == 1 else None
+        return "" if request is None else ros2_command.service_call(full, types[0], request)
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
         """Return the `ros2` command line that sends a goal."""
@@ -170,10 +157,7 @@ def forms_of(robot: model.RobotFile) -> dict[str, tuple[TypedField, ...]]:
 
 
 def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:
-    """Return the fields of a goal's form; None if the action's type is not installed here.
-
-    A field that is converted, as a yaw, is a number in the form.
-    """
+    """Return the fields of a goal's form; None if the action's type is not installed here."""
     goal_type = load_class(kind.type)
     if goal_type is None:
         return None

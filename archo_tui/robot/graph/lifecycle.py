@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -10,11 +11,9 @@ from typing import Any
 from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 
-from archo_tui.clock import Clock
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Services
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
@@ -28,73 +27,65 @@ CHANGE_TIMEOUT = 30.0
 _NO_ANSWER = "no answer"
 
 
+class _Managed:
+    """A managed node, as far as it is known."""
+
+    word = ""  # Its state; "" until it has answered.
+    is_silent = False  # It left the last question unanswered.
+    subscription: Any = None
+
+    def __init__(self, asked: float) -> None:
+        self.asked = asked  # When it was asked last, in monotonic seconds.
+
+    @property
+    def shown(self) -> str:
+        return ", ".join(filter(None, (self.word, _NO_ANSWER if self.is_silent else "")))
+
+
 class Lifecycles:
     """The state of each managed node: requested when it comes, then told by its events."""
 
-    def __init__(
-        self,
-        node: Listener,
-        clock: Clock,
-        pending: Services,
-        submit: Callable[[Callable[[], Any]], None],
-        on_change: Callable[[], None],
-    ) -> None:
-        self._node, self._clock, self._services = node, clock, pending
-        self._submit, self._on_change = submit, on_change
-        self._words: dict[str, str] = {}  # By full name of the node; "" until it has answered.
-        self._asked: dict[str, float] = {}  # When each was asked last, in monotonic seconds.
-        self._subscriptions: dict[str, Any] = {}
-        self._silent: set[str] = set()  # Nodes that left the last question unanswered.
+    def __init__(self, runtime: Runtime) -> None:
+        self._node, self._clock = runtime.node, runtime.clock
+        self._submit, self._on_change = runtime.thread.submit, runtime.snapshots.send_soon
+        self._managed: dict[str, _Managed] = {}  # By full name of the node.
 
     def poll(self, served: Mapping[str, Sequence[str]]) -> None:
-        """Follow the managed nodes that are on the graph now, and forget those that have left.
-
-        A new node is subscribed to and asked for its state; every managed node is asked again each
-        10 s.
-        """
-        managed = {
+        """Follow the managed nodes that are on the graph now, and forget those that have left."""
+        found = {
             name.removesuffix(_GET_STATE)
             for name, types in served.items()
             if name.endswith(_GET_STATE) and _TYPE in types
         }
-        for node in self._words.keys() - managed:
-            del self._words[node], self._asked[node]
-            self._silent.discard(node)
-            if (subscription := self._subscriptions.pop(node, None)) is not None:
-                self._node.destroy_subscription(subscription)
+        for node in self._managed.keys() - found:
+            left = self._managed.pop(node)
+            if left.subscription is not None:
+                self._node.destroy_subscription(left.subscription)
             self._on_change()
         now = self._clock.monotonic()
-        for node in managed - self._words.keys():
-            self._words[node], self._asked[node] = "", now
+        for node in found - self._managed.keys():
+            self._managed[node] = managed = _Managed(-math.inf)
             # If this fails, as for a topic of another type, it is asked again each _ASK_AGAIN.
             with contextlib.suppress(Exception):
-                self._subscriptions[node] = self._node.listen_quietly(
+                managed.subscription = self._node.listen_quietly(
                     TransitionEvent, f"{node}/transition_event", self._handler(node), 10
                 )
-            self._submit(partial(self._ask, node))
-        for node, asked in self._asked.items():
-            if now - asked >= _ASK_AGAIN:
-                self._asked[node] = now
+        for node, managed in self._managed.items():
+            if now - managed.asked >= _ASK_AGAIN:
+                managed.asked = now
                 self._submit(partial(self._ask, node))
 
     def with_states(self, nodes: Sequence[NodeState]) -> tuple[NodeState, ...]:
-        """Return nodes with the `lifecycle` of those that are managed; others stay as they are.
-
-        If a node did not answer the last question, `, no answer` follows its last state: it may
-        hang.
-        """
+        """Return nodes with the `lifecycle` of those that are managed; others stay as they are."""
+        known = self._managed
         return tuple(
-            node._replace(lifecycle=self._shown(node.name)) if node.name in self._words else node
+            node._replace(lifecycle=known[node.name].shown) if node.name in known else node
             for node in nodes
         )
 
-    def _shown(self, node: str) -> str:
-        words = [self._words[node], _NO_ANSWER if node in self._silent else ""]
-        return ", ".join(filter(None, words))
-
     def word(self, node: str) -> str:
         """Return the last known state of a node: `active`; "" if none is known."""
-        return self._words.get(node, "")
+        return self._managed[node].word if node in self._managed else ""
 
     async def transitions(self, node: str) -> tuple[str, ...]:
         """Ask a node which transitions it can make now, as words: `activate`."""
@@ -103,25 +94,19 @@ class Lifecycles:
     async def change(
         self, node: str, word: str, gate: Gate, late: Callable[[Outcome], None]
     ) -> Outcome:
-        """Request a transition of a managed node, wait for its end, and ask for the new state.
-
-        The wait is CHANGE_TIMEOUT at most.
-
-        Raises:
-            Void: A STOP was read after the request was typed; nothing was sent.
-        """
-        if node not in self._words:
+        """Request a transition, wait for its end, and ask for the new state; Void behind a STOP."""
+        if node not in self._managed:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
         available = await self._available(node)
         if available is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {DEADLINE:g} s from {node}")
         found = next((transition for transition in available if transition.label == word), None)
         if found is None:
             words = ", ".join(dict.fromkeys(transition.label for transition in available)) or "none"
-            state = self._words.get(node) or "this state"
+            state = self.word(node) or "this state"
             return Outcome(Code.REFUSED, f"not possible in {state}: there are {words}")
         request = ChangeState.Request(transition=Transition(id=found.id, label=found.label))
-        answer = await self._services.call(
+        answer = await self._node.call(
             ChangeState,
             f"{node}/change_state",
             request,
@@ -135,7 +120,7 @@ class Lifecycles:
         return self._outcome(node, answer)
 
     def _outcome(self, node: str, answer: Any) -> Outcome:
-        state = self._words.get(node) or "unknown"
+        state = self.word(node) or "unknown"
         if answer.success:
             return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}")
         return Outcome(Code.REFUSED, f"{node.lstrip('/')} rejected it, and is {state}")
@@ -144,19 +129,17 @@ class Lifecycles:
         return lambda message: self._set(node, harmless(message.goal_state.label))
 
     async def _ask(self, node: str) -> None:
-        answer = await self._services.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
-        if node not in self._words:
-            return
+        answer = await self._node.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
         if answer is not None:
             self._set(node, harmless(answer.current_state.label))
-        elif node not in self._silent:
-            self._silent.add(node)
+        elif node in self._managed and not self._managed[node].is_silent:
+            self._managed[node].is_silent = True
             self._on_change()
 
     async def _available(self, node: str) -> list[Any] | None:
         """Ask a node for the transitions that it can make now; None if it does not answer."""
         name = f"{node}/get_available_transitions"
-        answer = await self._services.call(
+        answer = await self._node.call(
             GetAvailableTransitions, name, GetAvailableTransitions.Request(), once=True
         )
         if answer is None:
@@ -164,7 +147,7 @@ class Lifecycles:
         return [description.transition for description in answer.available_transitions]
 
     def _set(self, node: str, word: str) -> None:
-        if node in self._words and (self._words[node] != word or node in self._silent):
-            self._words[node] = word
-            self._silent.discard(node)
+        managed = self._managed.get(node)
+        if managed is not None and (managed.word != word or managed.is_silent):
+            managed.word, managed.is_silent = word, False
             self._on_change()

@@ -24,10 +24,7 @@ _FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
 
 
 def as_python(message: Any) -> Any:
-    """Return the value in an rcl_interfaces/msg/ParameterValue; None if it is not set.
-
-    Arrays become lists.
-    """
+    """Return the value in a ParameterValue, with lists for arrays; None if it is not set."""
     kind = TYPES.get(message.type)
     if kind is None:
         return None
@@ -56,14 +53,10 @@ def _bound(value: float) -> str:
 
 
 def parse(parameter: Parameter, text: str) -> Any:
-    """Return the value that a typed text means for a parameter, by the parameter's type.
+    """Return the value that a typed text means for a parameter; else raise ValueError in one line.
 
-    A string is taken as it is typed, with blanks and without quotes. An array is a list in YAML.
-
-    Raises:
-        ValueError: In one line, why the text is no value: of another type, out of the parameter's
-            range, longer than 10,000 characters, with a control character; or the parameter is
-            read-only or of type `byte[]` or `not set`.
+    A string is taken as it is typed, with blanks and without quotes. An array is a list in
+    YAML.
     """
     if parameter.read_only:
         raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
@@ -85,12 +78,7 @@ def parse(parameter: Parameter, text: str) -> Any:
 
 
 def fit(parameter: Parameter, value: Any) -> Any:
-    """Return a value from a file as a parameter takes it: whole numbers become doubles if need be.
-
-    Raises:
-        ValueError: In one line, why it does not fit: of another type, out of the parameter's range,
-            or other than the present value of a read-only parameter.
-    """
+    """Return a value from a file as a parameter takes it; else raise ValueError in one line."""
     if parameter.type == "double" and type(value) is int:
         value = float(value)
     if parameter.type == "double[]" and type(value) is list and all(type(v) is int for v in value):

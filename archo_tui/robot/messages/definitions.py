@@ -39,11 +39,7 @@ _PARTS = {"msg": (), "srv": ("Request", "Response"), "action": ("Goal", "Result"
 
 
 def definition(kind: Any) -> str:
-    """Return the definition of a message class in the format `ros2msg`, without comments.
-
-    The definitions of all nested messages follow, each once. The format is that of
-    https://mcap.dev/spec/registry#ros2msg.
-    """
+    """Return a message class and all nested ones as text (mcap.dev/spec/registry#ros2msg)."""
     parts, wanted, seen = [_field_lines(kind)], list(_nested_names(kind)), set[str]()
     while wanted:
         name = wanted.pop(0)
@@ -67,10 +63,7 @@ def _nested_names(kind: Any) -> list[str]:
 
 
 def definition_text(type_name: str) -> str | None:
-    """Return the text of an interface's file, with nested types indented below their fields.
-
-    Without a file, the text has the fields of the installed class; None if neither is here.
-    """
+    """Return the text of an interface's file, with nested types indented below their fields."""
     parts = parse_type(type_name)
     lines = None if parts is None else _type_lines(parts)
     if parts is None or lines is None:

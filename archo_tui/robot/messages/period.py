@@ -65,10 +65,7 @@ class Period(NamedTuple):
         return after._replace(measured=after._measure(self.intervals))
 
     def with_message_at(self, now: float) -> Period:
-        """Return the period with one more message at `now`, in monotonic seconds.
-
-        Once it is measured, a message within 0.1 s of the last one changes nothing.
-        """
+        """Return the period with one more message at `now`, in monotonic seconds."""
         if self.last is None:
             return self._replace(last=now)
         interval = now - self.last
@@ -115,10 +112,7 @@ class Period(NamedTuple):
 
     @property
     def grace(self) -> float:
-        """The silence in seconds that is allowed before the typical interval is known: 15 or 90.
-
-        The shorter one holds after several messages: they are a burst, or a robot died after them.
-        """
+        """The silence in seconds that is allowed before the typical interval is known: 15 or 90."""
         return _MAYBE_A_BURST if len(self.intervals) >= _FEW else UNMEASURED
 
 
@@ -181,11 +175,7 @@ class MessageRate(NamedTuple):
     intervals: int = RATE_INTERVALS  # How many intervals were measured, at most RATE_INTERVALS.
 
     def with_message_at(self, now: float) -> MessageRate:
-        """Return the rate with one more message at `now`, in monotonic seconds.
-
-        After a silence, as by `is_silent`, the interval is not known again. The rate stays the same
-        if `now` is not later than the last message.
-        """
+        """Return the rate with one more message at `now`, in monotonic seconds."""
         if self.is_silent(now):
             return MessageRate(now)
         since = now - self.heard
@@ -206,8 +196,5 @@ class MessageRate(NamedTuple):
         return None if self.is_silent(now) else self.hertz
 
     def is_silent(self, now: float) -> bool:
-        """Return True if no message came for three intervals, and at least 2.5 s.
-
-        False while the interval is not known.
-        """
+        """Return True if no message came for three intervals, and at least 2.5 s."""
         return is_silent(self.heard, self.interval, now, None)

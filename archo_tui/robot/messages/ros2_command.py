@@ -32,10 +32,7 @@ def publish(topic: str, type_name: str, message: Any, rate: float, times: int | 
 
 
 def cancel(name: str) -> str:
-    """Return the `ros2` command line that cancels every goal of an action.
-
-    It calls the cancel service with the default request, whose zero id and time mean all goals.
-    """
+    """Return the `ros2` command line that cancels every goal of an action."""
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
 
 

@@ -1,7 +1,4 @@
-"""A message for people and programs: as YAML, as JSON, in one line, and its fields by path.
-
-A large message takes long: call this on no thread that others wait for.
-"""
+"""A message for people and programs: as YAML, as JSON, in one line, and its fields by path."""
 
 from __future__ import annotations
 
@@ -89,10 +86,7 @@ def as_json(message: Any) -> dict[str, Any]:
 
 
 def one_line(message: Any) -> str:
-    """Return every field and its value, safe to show, at most 500 characters: `x 1.5, name abc`.
-
-    Empty texts are left out, and arrays are cut.
-    """
+    """Return every field and its value, safe to show, at most 500 characters: `x 1.5, name abc`."""
     values = ((field.path, _short(field.default, field.type)) for field in leaves(message))
     return harmless(", ".join(f"{path} {value}" for path, value in values if value))
 
@@ -109,11 +103,7 @@ def _short(value: Any, kind: str) -> str:
 
 
 def find_field(message: Any, path: str) -> TypedField:
-    """Return the field at a path such as `pose.position.x` or `ranges[3]`.
-
-    Raises:
-        ArchoError: There is no such field or element; the line names the nearest, or all.
-    """
+    """Return the field at a path such as `pose.x` or `ranges[3]`; else raise ArchoError."""
     value, kind, where = message, "", ""
     for part in path.split("."):
         found = _PART.fullmatch(part)
@@ -137,10 +127,7 @@ def find_field(message: Any, path: str) -> TypedField:
 def as_text(message: Any, paths: Sequence[str] = ()) -> str:
     """Return a message as YAML, as `ros2 topic echo` prints it, or chosen fields, one a line.
 
-    Arrays of more than 20 elements are described, and lines after the first 1,000 are counted.
-
-    Raises:
-        ArchoError: There is no such field, or the text would be longer than 100,000 characters.
+    Long arrays are described. Raises ArchoError if a field is unknown, or the text too long.
     """
     if paths:
         found = [find_field(message, path) for path in paths]
@@ -158,10 +145,7 @@ def as_text(message: Any, paths: Sequence[str] = ()) -> str:
 def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
     """Return a message, or chosen fields by path, as data for at most 100,000 characters of JSON.
 
-    Long arrays become objects with their type and range, of more than 10,000 elements always.
-
-    Raises:
-        ArchoError: There is no such field, or the JSON would be too long.
+    Long arrays are described. Raises ArchoError if a field is unknown, or the JSON too long.
     """
     found = [find_field(message, path) for path in paths]
     for elements in _JSON_ELEMENTS:
@@ -177,10 +161,7 @@ def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def primitive(value: Any, kind: str) -> Any:
-    """Return a bool, number or text as it is shown; a float32 becomes the shortest such number.
-
-    A byte becomes its number, several bytes a text in hexadecimal.
-    """
+    """Return a bool, number or text as it is shown; a float32 becomes the shortest such number."""
     if isinstance(value, bytes):
         return value[0] if len(value) == 1 else value.hex(" ")
     return _shortest(value) if isinstance(value, float) and kind == "float" else value

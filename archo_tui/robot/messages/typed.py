@@ -37,11 +37,7 @@ def parse_bool(text: str) -> bool:
 
 
 def parse_integer(text: str, limits: tuple[int, int] = INTEGERS["int64"]) -> int:
-    """Return the whole number in a text of decimal digits with an optional sign.
-
-    Raises:
-        ValueError: In one line, what is wrong.
-    """
+    """Return the whole number in decimal digits with an optional sign; else raise ValueError."""
     stripped = text.strip()
     if not _WHOLE.fullmatch(stripped):
         raise ValueError(f"not a whole number: {text}")
@@ -53,11 +49,7 @@ def parse_integer(text: str, limits: tuple[int, int] = INTEGERS["int64"]) -> int
 
 
 def parse_number(text: str) -> float:
-    """Return the finite number in a text, such as `-1.5` or `2e3`.
-
-    Raises:
-        ValueError: In one line, what is wrong; NaN and infinity are refused.
-    """
+    """Return the finite number in a text, such as `-1.5` or `2e3`; else raise ValueError."""
     try:
         value = float(text)
     except ValueError:
@@ -72,11 +64,8 @@ def parse_number(text: str) -> float:
 def parse(kind: str, text: str, *, of_parameter: bool = False) -> Any:
     """Return the value that a text stands for, by the type of its field; an array is a YAML list.
 
-    A parameter's infinity needs YAML's dot, as in a file, and its integers have 64 bits; those
-    of a message are checked against their own type by `checked`.
-
-    Raises:
-        ValueError: In one line, what is wrong; YamlFault for a list that is not YAML.
+    A parameter's infinity needs YAML's dot, as in a file. Raises ValueError, or YamlFault for a
+    list.
     """
     element = element_of(kind)
     if element is not None and "/" in element:
@@ -118,13 +107,7 @@ def is_number(field: TypedField) -> bool:
 
 
 def parse_field(field: TypedField, given: FormField, text: str) -> Any:
-    """Return the value of a typed text, checked against the field's type and limits in the file.
-
-    Limits that are parameters are not checked.
-
-    Raises:
-        ValueError: In one line, with the label, why the text is no value for the field.
-    """
+    """Return the value of a typed text that fits field and robot file; else raise ValueError."""
     label = given.label or field.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
     if not text.strip() and "string" not in field.type:
@@ -193,11 +176,8 @@ def texts_by_path(
 ) -> dict[str, str]:
     """Return the texts in words such as `x=1.5 y=2`, by dotted path; labels stand for paths, too.
 
-    For a single field, words of which none has a `=` are its text. `partial` words may leave fields
-    out; a text without its name is then refused.
-
-    Raises:
-        ValueError: In one line what was expected: a name is unknown, is given twice, or is missing.
+    For a single field, words of which none has a `=` are its text, unless they are `partial`.
+    Raises ValueError.
     """
     labels = {
         (form.get(field.path, FormField()).label or field.path): field.path for field in fields
@@ -257,13 +237,7 @@ def mapping(text: str) -> dict[str, Any]:
 
 
 def typed_request(service: str, words: Sequence[str], example: Request) -> dict[str, Any]:
-    """Return the values of a request that was typed as `field=value ...` or as one YAML mapping.
-
-    The example has the fields and their types; those that were not typed are left out.
-
-    Raises:
-        ValueError: A field is unknown, is given twice, or has a value of another type.
-    """
+    """Return the values that were typed as `field=value ...` or as one YAML mapping."""
     fields = [TypedField(name, _TYPES[type(value)], None) for name, value in example.items()]
     if len(words) == 1 and words[0].startswith("{"):
         words = [f"{name}={value}" for name, value in mapping(words[0]).items()]

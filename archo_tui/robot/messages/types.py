@@ -44,10 +44,7 @@ class TypedField(NamedTuple):
 
 
 def load_class(type_name: str) -> Any:
-    """Import the class of a type such as `std_msgs/msg/String`; None if it is not installed here.
-
-    The first import of a package may take long.
-    """
+    """Import the class of a type such as `std_msgs/msg/String`; None if it is not installed."""
     parts = parse_type(type_name)
     if parts is None:
         return None
@@ -126,10 +123,7 @@ def ros2msg_type(kind: str) -> str:
 
 
 def walk(message: Any, before: str = "") -> Iterator[TypedField]:
-    """Yield every field with its value as rclpy has it: nested messages first, then their fields.
-
-    Nothing inside of an array is yielded.
-    """
+    """Yield every field with its value: nested messages first, then their fields."""
     for name, kind in kinds(message).items():
         value = getattr(message, name)
         yield TypedField(before + name, kind, value)

@@ -60,11 +60,7 @@ def number(value: Any, low: float, high: float) -> float | None:
 
 
 def put(message: Any, path: str, value: Any, where: str = "") -> None:
-    """Set the field at a dotted path to a value that fits its type.
-
-    Raises:
-        ValueError: In one line the field, the value, and what is allowed.
-    """
+    """Set the field at a dotted path to a value that fits its type; else raise ValueError."""
     first, _, rest = path.partition(".")
     found = kinds(message)
     where = f"{where}.{first}".lstrip(".")
@@ -85,11 +81,7 @@ def put(message: Any, path: str, value: Any, where: str = "") -> None:
 
 
 def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
-    """Set fields of a message, by dotted path, and return the same message.
-
-    Raises:
-        ValueError: A value does not fit, as in `put`; or one path is inside of another one.
-    """
+    """Set fields of a message, by dotted path, as `put` does, and return the same message."""
     parts = sorted(path.split(".") for path in values)
     for outer, inner in itertools.pairwise(parts):  # A whole message would replace its fields.
         if inner[: len(outer)] == outer:
@@ -101,11 +93,7 @@ def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
 
 
 def checked(kind: str, value: Any, where: str) -> Any:
-    """Return a value in the form in which a field of a type takes it: a mapping becomes a message.
-
-    Raises:
-        ValueError: In one line the field (`where`), the value, and what is allowed.
-    """
+    """Return a value as a field of a type takes it, mappings as messages; else raise ValueError."""
     array, nested = ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
     if array is not None:
         return _list(array, value, where)
@@ -202,12 +190,9 @@ def _shown(value: Any) -> str:
 
 
 def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
-    """Return a goal message with the fixed values of the robot file and the typed ones, by path.
+    """Return a goal with the fixed and the typed values, by path, or raise ValueError.
 
-    A typed value that the file says to convert, a yaw in degrees, becomes a quaternion.
-
-    Raises:
-        ValueError: A value does not fit its field.
+    A typed yaw in degrees, which the robot file says to convert, becomes a quaternion.
     """
     made = action_type.Goal()
     for path, value in itertools.chain(kind.fixed.items(), values.items()):
@@ -267,18 +252,12 @@ def flag(value: Any) -> bool | None:
 
 
 def as_received(value: Any) -> str:
-    """Return a text for a value that is no reading: a float with 6 digits, others in 20 characters.
-
-    It may hold any characters; for None it is `None`.
-    """
+    """Return a short text for a value that is no reading; it may hold any characters."""
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]
 
 
 def yaw(quaternion: Any) -> float | None:
-    """Return the yaw of a quaternion in degrees, -180 to 180; None for anything else.
-
-    As tf2's getYaw, for a quaternion of any length; one of length zero has no yaw.
-    """
+    """Return the yaw of a quaternion in degrees, -180 to 180; None for anything else."""
     parts = [number(getattr(quaternion, name, None), -math.inf, math.inf) for name in "xyzw"]
     if None in parts or not any(parts):
         return None

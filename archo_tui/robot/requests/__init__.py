@@ -1,4 +1,1 @@
-"""The requests to the robot: functions over its parts, called on the event loop.
-
-Each ends within a deadline: done, refused with the reason, or without an answer.
-"""
+"""The requests to the robot: functions over its parts, called on the loop, with a deadline each."""

@@ -1,7 +1,4 @@
-"""The requests that operate the robot: goals, services, STOP.
-
-Each runs on the ROS thread, within a deadline, with a report of its end.
-"""
+"""The requests that operate the robot: goals, services, STOP."""
 
 from __future__ import annotations
 
@@ -9,12 +6,12 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot import calls
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import (
     CALL_WAIT,
     SLOW_CALL,
@@ -118,7 +115,7 @@ async def send(
     title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
     async def go(gate: Gate) -> Outcome:
-        turn = robot.services.next_turn()
+        turn = robot.node.next_turn()
         refusal = _refusal(robot, kind, gate, queued=queued)
         if refusal is not None:
             return refusal
@@ -175,10 +172,7 @@ def _with_inactive_server(robot: Parts, action: str, outcome: Outcome) -> Outcom
 
 
 async def cancel(robot: Parts, *, another: bool = False) -> Outcome:
-    """Request the cancel of this console's running goal, or of another client's.
-
-    ACCEPTED means that the goal's end is reported later.
-    """
+    """Request the cancel of this console's running goal, or of another client's."""
     goal, command = robot.goals.goal, ""
     if goal is not None:
         command = ros2_command.cancel(robot.checks.full(goal.kind.action))
@@ -197,19 +191,13 @@ async def cancel_all(robot: Parts) -> Outcome:
 
 
 async def stop_sending_goals(robot: Parts) -> None:
-    """Refuse every further goal, also one that was typed before: the console ends.
-
-    Running goals go on.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-    """
+    """Refuse every further goal, also one that was typed before; running goals go on."""
 
     async def there() -> None:
         robot.goals.sending_has_ended = True
         robot.publications.end_all("the end of the console")
 
-    await robot.thread.run(there, calls.DEADLINE)
+    await robot.thread.run(there, DEADLINE)
 
 
 def allow_sending_goals(robot: Parts) -> None:
@@ -246,11 +234,7 @@ async def call(
     values: Mapping[str, Any],
     wait: float = CALL_WAIT,
 ) -> Outcome:
-    """Call any service by its full name; the outcome holds the answer.
-
-    `values` are by dotted path, and other fields keep their defaults. An event tells that the call
-    is still running after SLOW_CALL.
-    """
+    """Call any service by its full name; the outcome holds the answer."""
     srv_type = load_class(type_name)
     if srv_type is None:
         return Outcome(Code.REFUSED, check.not_installed(service, type_name))
@@ -267,9 +251,9 @@ async def call(
             source = requester.level, requester.source
             robot.reporter.add(Event(robot.clock.now(), *source, text))
 
-        slow = robot.node.create_timer(SLOW_CALL, on_timer, clock=robot.services.steady)
+        slow = robot.node.create_steady_timer(SLOW_CALL, on_timer)
         try:
-            answer = await robot.services.call(
+            answer = await robot.node.call(
                 *(srv_type, service, request),
                 gate=gate,
                 wait=wait,
@@ -294,25 +278,17 @@ async def call_named(
     gate: Gate,
     late: Callable[[Outcome], None],
 ) -> Outcome:
-    """Call a service of the robot file with the type of its server, if the request fits it.
-
-    `late` gets the outcome of an answer that comes after 2 s. ROS thread only; raises Void behind
-    a STOP.
-    """
+    """Call a service of the robot file with the type of its server, if the request fits it."""
     if name not in robot.graph.offered:
         return Outcome(Code.NOT_OFFERED, not_offered(robot.checks.full(name)))
-    srv_type, reason = robot.checks.fitting_class(name, fields)
+    srv_type, request, reason = robot.checks.request(name, fields)
     if srv_type is None:
         return Outcome(Code.REFUSED, reason)
-    try:
-        request = filled(srv_type.Request(), fields)
-    except ValueError as error:
-        return Outcome(Code.MISUSE, str(error))
-    answer = await robot.services.call(
+    answer = await robot.node.call(
         srv_type, name, request, gate=gate, late=lambda answer: late(_outcome_of(answer))
     )
     if answer is None:
-        text = f"no answer in {calls.DEADLINE:g} s: the robot may still do it"
+        text = f"no answer in {DEADLINE:g} s: the robot may still do it"
         return Outcome(Code.TIMEOUT, text)
     return _outcome_of(answer)
 
@@ -385,7 +361,7 @@ async def release_emergency_stop(robot: Parts) -> Outcome:
     name, request = stop.release, stop.release_request
 
     async def call(gate: Gate) -> Outcome:
-        turn = robot.services.next_turn()
+        turn = robot.node.next_turn()
         sender.check_holders()
         is_offered = name in robot.graph.offered
         if sender.stop.is_held_by_nobody and not is_offered:
@@ -424,10 +400,7 @@ async def give_up_stop(robot: Parts) -> Outcome:
 
 
 def early_stop_request(robot: Parts) -> tuple[str, Mapping[str, Any]]:
-    """Return service and request of the call that a starting node makes before it spins.
-
-    They are "" and {} if no STOP holds, is open or is on its way. Any thread.
-    """
+    """Return service and request for a starting node; "" and {} if no STOP is open or holds."""
     stop, may_start = robot.file.stop, robot.stop_sender.stop.may_start
     if stop is None or (may_start and robot.stops.are_answered):
         return "", {}

@@ -14,14 +14,13 @@ from rclpy.action import (
 )
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot.calls import DEADLINE, QUESTION_TIMEOUT
 from archo_tui.robot.graph import endpoints
-from archo_tui.robot.graph.graph import is_hidden, is_of_every_node
+from archo_tui.robot.graph.graph import SEND, is_hidden, is_of_every_node
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT
 from archo_tui.robot.graph.parameter_values import is_secret, masked
-from archo_tui.robot.graph.resources import SEND
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.values import text_of
+from archo_tui.robot.node import DEADLINE, QUESTION_TIMEOUT
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.commands import late_report, run
@@ -50,10 +49,7 @@ async def _ask(robot: Parts, work: Callable[[], Coroutine[Any, Any, T]]) -> T | 
 
 
 async def set_parameters(robot: Parts, node: str, values: Mapping[str, Any]) -> Outcome:
-    """Set parameters of a node, all of them or none, and report it without secrets.
-
-    The text of the outcome tells the values that the node reports then, or why it refused.
-    """
+    """Set parameters of a node, all of them or none, and report it without secrets."""
     shown = masked(values)
     command = "" if any(map(is_secret, values)) else ros2_command.set_parameters(node, values)
     return await run(
@@ -79,10 +75,7 @@ def on_parameters_restored(robot: Parts, node: str, values: Mapping[str, Any]) -
 
 
 async def describe(robot: Parts, node: str) -> NodeInfo | Outcome:
-    """Ask for what a node publishes, serves and uses, its log level and its transitions.
-
-    What every node has, and hidden names, as of the topics of actions, are left out.
-    """
+    """Ask for what a node publishes, serves and uses, its log level and its transitions."""
 
     async def there() -> NodeInfo | Outcome:
         namespace, _, base = node.rpartition("/")
@@ -171,7 +164,7 @@ async def set_log_level(robot: Parts, node: str, level: str) -> Outcome:
             return Outcome(Code.NOT_OFFERED, f"{node} {_NO_LEVELS}")
         before = await _level(robot, node)
         service = f"{node}/{_SET}"
-        answer = await robot.services.call(SetLoggerLevels, service, request, gate=gate)
+        answer = await robot.node.call(SetLoggerLevels, service, request, gate=gate)
         if answer is None:
             return Outcome(Code.TIMEOUT, f"{_SILENT} from {node}")
         if not (answer.results and answer.results[0].successful):
@@ -203,7 +196,7 @@ async def _level(robot: Parts, node: str) -> LogLevel | None:
     # Its own logger, those above it, and the root: the first with a level decides.
     loggers = [".".join(parts[:end]) for end in range(len(parts), -1, -1)]
     request = GetLoggerLevels.Request(names=loggers)
-    answer = await robot.services.call(GetLoggerLevels, f"{node}/{_GET}", request, once=True)
+    answer = await robot.node.call(GetLoggerLevels, f"{node}/{_GET}", request, once=True)
     logger_levels = [] if answer is None else answer.levels
     levels = [_LEVEL_NAMES.get(logger.level, "UNSET") for logger in logger_levels]
     if len(levels) != len(loggers):

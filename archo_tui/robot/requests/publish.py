@@ -8,21 +8,19 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from archo_tui.robot import calls
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.commands import run
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.stop.gate import HOLDS, Gate
-from archo_tui.robot.topics.publications import Publication
+from archo_tui.robot.topics.publications import CANCEL, PAUSE, Publication
 from archo_tui.robot_file import check
 
-_CANCEL = "cancel"  # Why one was ended.
-_PAUSE = "a pause of the console"
 _LONGEST_BLOCK = 0.5  # Seconds.
 _POLL_PERIOD = 0.02  # Seconds between two looks whether it has ended.
 
@@ -51,8 +49,6 @@ async def publish(
         return Outcome(Code.MISUSE, str(error))
     title, requester = f"pub {topic.lstrip('/')}", current_requester()
     arguments = {"topic": topic, "values": values, "rate": rate, "times": times}
-    stamp = getattr(getattr(message, "header", None), "stamp", None)
-    takes_time = stamp is not None and not (stamp.sec or stamp.nanosec)
     begun: list[Publication] = []
     has_left = threading.Event()
 
@@ -60,8 +56,8 @@ async def publish(
         robot.snapshots.send_soon()
         if times == 1 and not publication.ended:
             return  # Its one message is told already.
-        record = AuditRecord("pub", arguments, _outcome(publication).code)
-        text = f"{title}: {_outcome(publication).text}"
+        record = AuditRecord("pub", arguments, publication.outcome.code)
+        text = f"{title}: {publication.outcome.text}"
         robot.reporter.report_done(text, record, requester=requester)
 
     async def work(gate: Gate) -> Outcome:
@@ -79,13 +75,14 @@ async def publish(
             return Outcome(Code.CANCELLED, "not published: the console ends")
         if is_stopped():
             return Outcome(Code.REFUSED, HOLDS)
-        publication = await robot.publications.begin(
-            *(topic, message, rate, times, why_end, on_end), takes_time=takes_time
+        publication = Publication(
+            *(robot, robot.publications, topic, message, rate, times, why_end, on_end)
         )
+        await publication.begin()
         begun.append(publication)
         if publication.ended:
-            return _outcome(publication)
-        heard, unfit = robot.publications.subscriber_counts(publication)
+            return publication.outcome
+        heard, unfit = publication.subscriber_counts()
         who = f"{heard or 'no'} subscriber{'s' * (heard != 1)}"
         who += f"; {unfit} of another type or QoS" if unfit else ""
         if publication.is_over:
@@ -101,42 +98,27 @@ async def publish(
             await robot.clock.sleep(_POLL_PERIOD)
     finally:
         has_left.set()  # Of one that runs on, since the task was cancelled.
-    return _outcome(begun[0])
-
-
-def _outcome(publication: Publication) -> Outcome:
-    count = f"{publication.count} message{'s' * (publication.count != 1)}"
-    if publication.ended == _CANCEL and publication.times is None:  # There is no other end.
-        return Outcome(Code.DONE, f"ended after {count}")
-    if publication.ended:
-        return Outcome(Code.CANCELLED, f"ended by {publication.ended} after {count}")
-    return Outcome(Code.DONE, f"published {count}")
+    return begun[0].outcome
 
 
 async def end_publications(robot: Parts) -> str:
-    """End all that this console publishes, as by cancel; return the topics, "" for none.
-
-    If the ROS thread does not answer, they end once it does.
-    """
+    """End all that this console publishes, as by cancel; return the topics, "" for none."""
 
     async def there() -> str:
-        return robot.publications.end_all(_CANCEL)
+        return robot.publications.end_all(CANCEL)
 
     if robot.publications.active:
         with contextlib.suppress(TimeoutError):
-            return await robot.thread.run(there, calls.DEADLINE)
+            return await robot.thread.run(there, DEADLINE)
     return ""
 
 
 def end_publications_now(robot: Parts) -> None:
-    """End all that this console publishes, and block until it is done, 0.5 s at most.
-
-    Any thread but that of ROS; also in a signal handler. What is being begun ends, too.
-    """
+    """End all that this console publishes, and block until it is done, 0.5 s at most."""
     done = threading.Event()
 
     def end() -> None:
-        robot.publications.end_all(_PAUSE)
+        robot.publications.end_all(PAUSE)
         done.set()
 
     until = time.monotonic() + _LONGEST_BLOCK

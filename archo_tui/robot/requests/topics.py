@@ -12,15 +12,14 @@ from typing import Any, NoReturn
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot.calls import QUESTION_TIMEOUT
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, field_types, load_class
+from archo_tui.robot.node import QUESTION_TIMEOUT
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info
 from archo_tui.robot.state.frames import Transforms
 from archo_tui.robot.state.graph import TOPIC, Resource, TopicInfo
-from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.topics.frames import TF_MESSAGE
 from archo_tui.robot.topics.inspect import (
     PERIOD,
@@ -32,6 +31,7 @@ from archo_tui.robot.topics.inspect import (
     publisher_fault,
     types_of,
 )
+from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from archo_tui.robot_file.model import field_units
 from archo_tui.robot_file.propose import READ, Sighting
 
@@ -59,12 +59,8 @@ async def inspect(
 ) -> AsyncIterator[Inspection]:
     """Count the messages of a topic while the context is entered; its value is the inspection.
 
-    `on_data` gets, on the ROS thread, monotonic time and bytes of each message, and True for one
-    that was sent before.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-        ArchoError: rclpy refuses the subscription, as Fast DDS does for a second type.
+    `on_data` gets, on the ROS thread, monotonic time, bytes, and True for a message from
+    before. Raises TimeoutError, or ArchoError if rclpy refuses the subscription.
     """
     inspection = Inspection(robot.node, robot.clock, topic, message_class, on_data)
 
@@ -103,11 +99,7 @@ async def follow_topic(
     request: Callable[[], TopicRequest],
     show: Callable[[TopicView], None],
 ) -> NoReturn:
-    """Show a topic, up to five views a second, until the task is cancelled.
-
-    `request` returns what the next view has to have. While nothing can be read, a view with a fault
-    is shown every two seconds.
-    """
+    """Show a topic, up to five views a second, until the task is cancelled."""
     while True:
         ends, view = await topic_info(robot, topic), TopicView(topic)
         if isinstance(ends, Outcome):
@@ -172,11 +164,7 @@ def _update(
 
 
 async def take_sightings(robot: Parts, seconds: float) -> tuple[Sighting, ...]:
-    """Return what is on the graph, after listening for `seconds` to what a robot file can use.
-
-    Raises:
-        TimeoutError: The ROS thread does not answer.
-    """
+    """Return what is on the graph, after listening for `seconds` to what a robot file can use."""
     topics = [found for found in robot.snapshot.resources if found.kind == TOPIC]
     named = {
         found.name: kind for found in topics for kind in found.types if kind in READ and found.nodes

@@ -52,11 +52,7 @@ class PublishedRecord(NamedTuple):
 
 
 def to_json(console: str, record: AuditRecord, text: str) -> str:
-    """Return a record as one JSON object, in the form of this module; nothing is sent.
-
-    If the JSON would be longer than MAX_LENGTH, arguments that are lists become null, and so do the
-    values in those that are mappings: their names remain.
-    """
+    """Return a record as one JSON object, in the form of this module; nothing is sent."""
     verb, arguments, code = record.json_safe()
     form = {"console": console, "verb": verb, "code": code.value, "text": text}
     for kept in (arguments, _without_contents(arguments)):
@@ -78,10 +74,7 @@ def _without_contents(arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def parse(form: str) -> PublishedRecord | None:
-    """Return the record in a JSON text; None if the text is no such record, or is over MAX_LENGTH.
-
-    The texts in it are not made safe.
-    """
+    """Return the record in a JSON text, not made safe; None if it is no record, or too long."""
     if len(form) > MAX_LENGTH:
         return None
     try:
@@ -97,10 +90,7 @@ def parse(form: str) -> PublishedRecord | None:
 
 
 def json_safe(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of values that JSON can hold, with texts that are safe to show.
-
-    NaN, infinity, integers beyond 64 bits and everything that JSON has not become texts.
-    """
+    """Return a copy of values that JSON can hold, with texts that are safe to show."""
     return _mapping(values, 0)
 
 

@@ -54,10 +54,7 @@ def _repeat_key(level: str, source: str, text: str) -> object:
 
 
 class LineCounter:
-    """A counter of lines by what they have in common; of what was counted last, if they are many.
-
-    It begins again in each period of so many seconds, if there is one.
-    """
+    """A counter of lines by what they have in common, which begins again in each period."""
 
     def __init__(self, period: float = math.inf) -> None:
         self._period = period
@@ -92,10 +89,7 @@ class EventLog:
         self._lines = LineCounter(_PERIOD)  # By source.
 
     def add(self, event: Event) -> Event:
-        """Append an event, or replace the earlier event that it repeats, and count the repeat.
-
-        The console's own events are never repeats. If the log is full, an old event is dropped.
-        """
+        """Append an event, or replace the earlier event that it repeats, and count the repeat."""
         self._count += 1
         self._all = None
         is_log_line = event.level not in OWN_LEVELS
@@ -147,10 +141,7 @@ class EventLog:
         return log
 
     def all(self) -> tuple[Event, ...]:
-        """Return all events, the one that was last received or repeated at the end.
-
-        The tuple is the same object until an event is added.
-        """
+        """Return all events, the last one at the end; the same tuple until an event is added."""
         if self._all is None:
             places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))

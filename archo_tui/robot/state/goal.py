@@ -42,10 +42,7 @@ RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST
 
 
 def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
-    """Return the values of a goal for people: `12` for a single one, else `x 1.5, y 2`.
-
-    A field is named by its label in the robot file, or by its path.
-    """
+    """Return the values of a goal for people: `12` for a single one, else `x 1.5, y 2`."""
     if len(values) == 1:
         return text_of(*values.values())
     labels = {path: kind.form[path].label or path for path in values if path in kind.form}
@@ -140,18 +137,12 @@ class Goal(NamedTuple):
         return self.phase in RUNNING
 
     def elapsed(self, now: float) -> float:
-        """Return the seconds from its start to its end, or to `now` while it runs.
-
-        The start is when it was accepted, or when it was sent while that is not known.
-        """
+        """Return the seconds from its start to its end, or to `now` while it runs."""
         start = self.sent if self.started is None else self.started
         return (now if self.ended is None else self.ended) - start
 
     def seconds_left(self, now: float) -> float | None:
-        """Return an estimate of the seconds to its end by its present speed; None without one.
-
-        There is none while the speed changes, and if the estimate proves wrong.
-        """
+        """Return an estimate of the seconds to its end by its present speed; None without one."""
         if len(self.way) < _LEAST_WAY:
             return None
         (begun, before), (heard, left) = self.way[0], self.way[-1]

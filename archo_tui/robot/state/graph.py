@@ -15,10 +15,7 @@ MASK = "***"  # In place of a secret value.
 
 
 def in_namespace(namespace: str, name: str) -> str:
-    """Return a name of the robot file as a full name in a namespace.
-
-    A name that begins with `/` is full already, and is returned as it is.
-    """
+    """Return a name of the robot file as a full name in a namespace."""
     return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
 
 
@@ -49,10 +46,7 @@ class NodeState(NamedTuple):
     lifecycle: str = ""
 
     def is_silent(self, now: float) -> bool:
-        """Return True if nothing was received for three intervals of its rate, at least 2.5 s.
-
-        Before the first message, or without a rate, it is False.
-        """
+        """Return True if nothing was received for three intervals of its rate, at least 2.5 s."""
         return is_silent(self.heard, 1 / self.rate if self.rate else None, now, None)
 
 
@@ -61,11 +55,7 @@ def node_states(
     logged: Mapping[str, Monotonic],
     rates: Iterable[tuple[str, MessageRate]],
 ) -> dict[str, NodeState]:
-    """Return by name when each node was heard last, and the rate of its most frequent topic.
-
-    A topic that is silent while another one of the node goes on does not count. `logged` has the
-    times of log lines, `rates` the publisher of each topic and its rate.
-    """
+    """Return by name when each node was heard last, and the rate of its most frequent topic."""
     found, by_node = dict[str, NodeState](), defaultdict[str, list[MessageRate]](list)
     for name, rate in rates:
         by_node[name].append(rate)

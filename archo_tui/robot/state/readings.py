@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from archo_tui.robot.messages.period import UNMEASURED, is_silent
 from archo_tui.robot_file.model import Gauge
@@ -39,6 +39,9 @@ class Motion:
     received: float | None = None
     period: float | None = 0.2
     grace: float | None = UNMEASURED
+
+    def _replace(self, **changes: Any) -> Motion:
+        return replace(self, **changes)
 
     def is_old(self, now: float) -> bool:
         """Return True after three periods of silence, at least 2.5 s; False before any message."""

@@ -181,10 +181,7 @@ class Snapshot(NamedTuple):
 
     @property
     def says_stopped(self) -> bool:
-        """True if the robot's last report, newer than `released`, is that it is stopped.
-
-        False while the latch is UNCERTAIN.
-        """
+        """True if the robot reports that it is stopped, unless that is past or uncertain."""
         heard, released = self.motion.received, self.released
         is_past = heard is not None and released is not None and heard <= released
         return bool(self.motion.stopped) and not is_past and self.latch is not Latch.UNCERTAIN

@@ -33,46 +33,30 @@ class Void(Exception):
 
 
 class Stops:
-    """A counter of the STOPs that were read. Any thread may use it.
-
-    Attributes:
-        count: The number of STOPs that this console has read, whoever typed them.
-        answered: The `count` up to which every STOP was answered, or is not awaited any more.
-        sent_elsewhere: The number of reports of a STOP by other consoles, whatever came of it; a
-            late answer is reported once more.
-        superseded: True if a verb other than STOP was requested, here or by another console, since
-            this console last began to send a STOP.
-    """
+    """A counter of the STOPs that were read. Any thread may use it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stop: StopServices | None = None
         self._service_names: frozenset[str] = frozenset()
-        self.count = 0
-        self.answered = 0
-        self.sent_elsewhere = 0
+        self.count = 0  # STOPs that this console has read, whoever typed them.
+        self.answered = 0  # Up to this `count` all were answered, or are not awaited any more.
+        self.sent_elsewhere = 0  # Reports of STOPs by other consoles, whatever came of them.
+        # True if another verb was requested, by any console, since a STOP began to be sent here.
         self.superseded = False
         self._typed_at: ContextVar[int | None] = ContextVar("stops", default=None)
 
     def set_service(self, stop: StopServices, full_name: str) -> None:
-        """Set the robot's STOP, whose service `is_stop_call` recognizes.
-
-        Args:
-            stop: The STOP of the robot file.
-            full_name: The name that the service of STOP has on the graph.
-        """
+        """Set the robot's STOP, whose service `is_stop_call` recognizes by both names."""
         self._stop = stop
         self._service_names = frozenset((stop.service, full_name, full_name.lstrip("/")))
 
     def is_stop_call(self, words: Sequence[str]) -> bool:
         """Return True if the words are `call` with the STOP's own service: a STOP that is typed so.
 
-        If the robot file names values for the request of STOP, exactly these must be typed: other
-        values may be the release. If not, any words behind the service do, except `--help` alone.
-        `--yes` is ignored anywhere. False before `set_service`.
-
-        Args:
-            words: The verb and its arguments.
+        If the robot file names values for its request, exactly these must be typed: other
+        values may be the release. If not, any words behind the service do, except `--help`;
+        `--yes` is ignored.
         """
         verb, *rest = [word for word in words if word != "--yes"] or [""]
         if verb != "call" or not rest or rest[0] not in self._service_names or self._stop is None:
@@ -86,29 +70,20 @@ class Stops:
             return False
 
     def register(self) -> int:
-        """Count a STOP that was just read, whoever will send it; return the new count.
-
-        Requests from inputs that were read before are not sent any more.
-        """
+        """Count a STOP that was just read; requests that were read before leave no more."""
         with self._lock:
             self.count += 1
             return self.count
 
     def is_not_sent(self, number: int) -> None:
-        """Record that the STOP with this `count` needs no answer of its own: it is not sent.
-
-        One before it that is still underway answers for it.
-        """
+        """Record that the STOP with this `count` is not sent: one before it answers for it."""
         with self._lock:
             if self.answered >= number - 1:
                 self.answered = max(self.answered, number)
 
     @property
     def are_answered(self) -> bool:
-        """True if no STOP that this console read is still to be sent, or waits for its answers.
-
-        It does not tell whether the robot has confirmed them.
-        """
+        """True if no STOP that this console read is still to be sent, or waits for its answers."""
         return self.answered >= self.count
 
     @property
@@ -119,13 +94,7 @@ class Stops:
 
     @contextmanager
     def typed_at(self, count: int | None) -> Iterator[None]:
-        """Set the count at which the present input was read, for the `with` block.
-
-        Tasks that begin inside inherit it.
-
-        Args:
-            count: The value of `count` when the input was read; None for work that no input causes.
-        """
+        """Set the count at which the present input was read, for the `with` block."""
         before = self._typed_at.set(count)
         try:
             yield
@@ -133,11 +102,7 @@ class Stops:
             self._typed_at.reset(before)
 
     def set_typed_at(self, count: int | None) -> None:
-        """Set the count at which the present input was read, until the next call in this context.
-
-        Args:
-            count: The value of `count` when the input was read; None for work that no input causes.
-        """
+        """Set the count at which the present input was read; None for work without input."""
         self._typed_at.set(count)
 
     def is_void(self, count: int) -> bool:
@@ -150,15 +115,9 @@ class Stops:
 
 
 class Gate(NamedTuple):
-    """The last check before a request is sent: refuses it if a STOP came in the meantime.
+    """The last check before a request is sent: refuses it if a STOP came in the meantime."""
 
-    Attributes:
-        stops: The counter that is compared with.
-        count_when_typed: STOPs that had been read when the input was read.
-        sent_elsewhere: STOPs that other consoles had reported when the request was made.
-    """
-
-    stops: Stops
+    stops: Stops  # Compared with these counts of when the input was read.
     count_when_typed: int
     sent_elsewhere: int
 
@@ -169,30 +128,19 @@ class Gate(NamedTuple):
         return self.stops.is_void(self.count_when_typed) or is_stopped_elsewhere
 
     def __call__(self) -> None:
-        """Raise Void if the gate is shut. Call it just before the request is sent.
-
-        Raises:
-            Void: A STOP was read after the input, or another console has reported one.
-        """
+        """Raise Void if the gate is shut; called just before the request is sent."""
         if self.is_shut:
             raise Void
 
 
 class RateLimit:
-    """A limit of two STOPs a second, for STOPs with nothing else requested between them.
-
-    It only computes: the caller waits, and calls `record`.
-    """
+    """A limit of two STOPs a second, for STOPs with nothing else requested between them."""
 
     def __init__(self) -> None:
         self._sent = deque([-MIN_INTERVAL] * 2, maxlen=2)  # Monotonic seconds of the last two.
 
     def delay(self, now: float) -> float:
-        """Return the seconds until the next STOP may leave; zero or less for at once.
-
-        Args:
-            now: Monotonic time in seconds.
-        """
+        """Return the seconds until the next STOP may leave; zero or less for at once."""
         return self._sent[0] + MIN_INTERVAL - now
 
     def record(self, now: float) -> None:

@@ -107,29 +107,17 @@ class StopEffect(Enum):
 
 
 class Stop(NamedTuple):
-    """The open STOP and the last confirmed one.
-
-    Attributes:
-        open: The STOP that is not confirmed yet; None if there is none.
-        state: What is known of the last confirmed STOP.
-        doubt: Why that is uncertain; "" if it is not.
-        held: When it was last confirmed or reported.
-        released: When a release or a goal was last accepted; None before.
-        is_not_obeyed: True if the robot moves, and has not stood since a STOP OBEYED ago.
-        holders_have_ended: True if every node that may hold it was run here, and has ended.
-        awaited: The calls whose servers still have time to answer.
-        seen_stopped: When a report of the robot closed an open STOP.
-    """
+    """The open STOP and the last confirmed one."""
 
     open: OpenStop | None = None
-    state: State = State.NONE
-    doubt: str = ""
-    held: float = -math.inf
-    released: float | None = None
-    is_not_obeyed: bool = False
-    holders_have_ended: bool = False
-    awaited: int = 0
-    seen_stopped: float = -math.inf
+    state: State = State.NONE  # What is known of the last confirmed STOP.
+    doubt: str = ""  # Why that is uncertain; "" if it is not.
+    held: float = -math.inf  # When it was last confirmed or reported.
+    released: float | None = None  # When a release or a goal was last accepted; None before.
+    is_not_obeyed: bool = False  # The robot moves, and has not stood since a STOP OBEYED ago.
+    holders_have_ended: bool = False  # Every node that may hold it was run here, and has ended.
+    awaited: int = 0  # The calls whose servers still have time to answer.
+    seen_stopped: float = -math.inf  # When a report of the robot closed an open STOP.
     pressed_turn: int = 0  # Of the last call that was not a repeat.
     first_turn: int = 0  # Of the open STOP's first call; answers to earlier calls do not count.
     answered_turn: int = 0  # Of the last call whose answer is shown.
@@ -168,10 +156,7 @@ class Stop(NamedTuple):
         return self.open is None and self.state is State.NONE
 
     def lets_publish(self, *, is_void: bool) -> bool:
-        """Return True if a message that may move the robot may leave.
-
-        `is_void` is True if a STOP was read since the message was typed.
-        """
+        """Return True if a message may leave that may move the robot; `is_void` behind a STOP."""
         return self.may_start and not is_void
 
     @property
@@ -209,10 +194,7 @@ class Stop(NamedTuple):
     # The open STOP.
 
     def calling(self, turn: int, now: float, *, is_pressed: bool) -> Stop:
-        """Begin a call: without an open STOP, open one.
-
-        Pressed again by an operator, it is meant for the goals that others have sent since, too.
-        """
+        """Begin a call: without an open STOP, open one."""
         after = self._replace(awaited=self.awaited + 1)
         if is_pressed or self.open is None:
             after = after._replace(pressed_turn=turn)
@@ -231,27 +213,16 @@ class Stop(NamedTuple):
     def answered_by(
         self,
         result: Result,
-        turn: int,
+        turn: int,  # Of the call.
         now: float,
         turn_now: int,
-        asked: Servers,
-        servers: Servers,
-        here: Collection[str],
+        asked: Servers,  # To which it was sent.
+        servers: Servers,  # Those of now; one that came since then has not got it.
+        here: Collection[str],  # The nodes of this process whose code may still run.
         *,
-        is_late: bool = False,
+        is_late: bool = False,  # The call was over already, without an answer.
     ) -> Stop:
-        """Take the result of a call.
-
-        Args:
-            result: What its servers answered.
-            turn: The turn of the call.
-            now: The time.
-            turn_now: A new turn.
-            asked: The nodes to which it was sent.
-            servers: The nodes that serve STOP now; one that came since then has not got it.
-            here: The full names of the nodes of this process whose code may still run.
-            is_late: True if the call was over already, without an answer.
-        """
+        """Take the result of a call."""
         before = self._replace(answered=now, awaited=self.awaited - (not is_late))
         is_earlier = self.open is not None and turn < self.first_turn
         if result.is_yes:
@@ -431,14 +402,7 @@ class Stop(NamedTuple):
         return bool(motion.stopped)
 
     def moved(self, motion: Motion, now: float, servers: Servers, here: Collection[str]) -> Stop:
-        """Take a report of the only node that publishes the motion.
-
-        Args:
-            motion: The report.
-            now: The time.
-            servers: The nodes that serve STOP now; ignored unless `needs_servers`.
-            here: The full names of the nodes of this process whose code may still run.
-        """
+        """Take a report of the only node that publishes it; `servers` only if `needs_servers`."""
         after = self
         # The report may be a last one of nodes that were replaced.
         is_settled = self.state is State.NONE or now - self.servers_changed >= SETTLED

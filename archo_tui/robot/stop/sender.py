@@ -10,26 +10,19 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
-from rclpy.node import Node
-
-from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Services
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
-from archo_tui.robot.messages.values import filled
+from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
-from archo_tui.robot.readings.telemetry import Telemetry
-from archo_tui.robot.reporter import Reporter
-from archo_tui.robot.ros_thread import RosThread
-from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import NOBODY, Facts, Result, Servers, Stop, StopEffect
+from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # Seconds that the answers of several servers are waited for.
@@ -47,39 +40,28 @@ class Answers(NamedTuple):
 
 
 class StopSender:
-    """The sender of STOP.
-
-    Attributes:
-        stop: The state of the machine.
-        time: Unix time at which the last STOP was confirmed; 0 before the first.
-        still_running: The names of the running goals that began before a confirmed STOP, and should
-            have ended by now.
-    """
+    """The sender of STOP."""
 
     def __init__(
         self,
-        node: Node,
-        services_of_robot: model.StopServices | None,
-        clock: Clock,
-        calls: Services,
+        runtime: Runtime,
+        service: model.StopServices | None,
         graph: Graph,
         checks: InterfaceChecks,
         goals: Goals,
         telemetry: Telemetry,
-        reporter: Reporter,
-        snapshots: SnapshotSender,
-        thread: RosThread,
         unended_nodes: Callable[[], Collection[str]],
     ) -> None:
-        self._node, self._served, self._clock = node, services_of_robot, clock
-        self._services, self._graph, self._checks = calls, graph, checks
-        self._goals, self._telemetry, self._reporter = goals, telemetry, reporter
-        self._snapshots, self._thread, self._unended_nodes = snapshots, thread, unended_nodes
-        self._begun = clock.monotonic()
+        self._node, self._clock, self._thread = runtime.node, runtime.clock, runtime.thread
+        self._reporter, self._snapshots = runtime.reporter, runtime.snapshots
+        self._served, self._graph, self._checks = service, graph, checks
+        self._goals, self._telemetry, self._unended_nodes = goals, telemetry, unended_nodes
+        self._begun = self._clock.monotonic()
         self.stop = Stop()
-        self.time = 0.0
+        self.time = 0.0  # Unix time at which the last STOP was confirmed; 0 before the first.
+        # The running goals that began before a confirmed STOP, and should have ended by now.
         self.still_running: tuple[str, ...] = ()
-        self._timer = node.create_timer(_PERIOD, self.tick, clock=calls.steady)
+        self._timer = self._node.create_steady_timer(_PERIOD, self.tick)
         self._timer.cancel()
 
     def _become(self, after: Stop) -> bool:
@@ -95,11 +77,7 @@ class StopSender:
     # Calls.
 
     async def send(self, *, is_pressed: bool = True) -> Outcome:
-        """Send STOP, and wait until all servers have answered or their time is over.
-
-        The robot must have a STOP. If it is not confirmed, the text ends with the advice to use the
-        hardware stop.
-        """
+        """Send STOP, and wait until all servers have answered or their time is over."""
         outcome, _ = await self._call(self._begin_call(is_pressed=is_pressed))
         if outcome.ok:
             return outcome
@@ -119,7 +97,7 @@ class StopSender:
             self._reporter.warn(f"STOP, sent again: {outcome.text}")
 
     def _begin_call(self, *, is_pressed: bool = False) -> int:
-        turn, now = self._services.next_turn(), self._clock.monotonic()
+        turn, now = self._node.next_turn(), self._clock.monotonic()
         self._become(self.stop.calling(turn, now, is_pressed=is_pressed))
         return turn
 
@@ -134,7 +112,7 @@ class StopSender:
                     answers.result,
                     turn,
                     self._clock.monotonic(),
-                    self._services.next_turn(),
+                    self._node.next_turn(),
                     asked,
                     self._servers(),
                     self._unended_nodes(),
@@ -170,29 +148,22 @@ class StopSender:
             self._graph.recheck_service(service)
             if service in self._graph.offered or self._clock.monotonic() >= end:
                 return
-            await self._services.pause(_FIND_PERIOD)
+            await self._node.pause(_FIND_PERIOD)
 
     async def _ask_servers(
         self, stop: model.StopServices, asked: Servers, on_late: Callable[[Answers], None]
     ) -> Answers:
-        """Call STOP, and return what its servers answered in time.
-
-        Args:
-            stop: The robot file's STOP.
-            asked: The nodes that serve it.
-            on_late: Called if the last answer comes later, within `calls.LATE`.
-        """
+        """Call STOP, and return what its servers answered in time."""
         name = stop.service
         if name not in self._graph.offered:
             return _not_sent(Code.NOT_OFFERED, not_offered(self._checks.full(name)))
-        srv_type, reason = self._checks.fitting_class(name, stop.request)
+        srv_type, request, reason = self._checks.request(name, stop.request)
         if srv_type is None:
             return _not_sent(Code.REFUSED, reason)
-        request = filled(srv_type.Request(), stop.request)
         servers = max(self._node.count_services(name), 1)
-        wait = calls.DEADLINE if servers == 1 else ALL_ANSWERS
-        self._become(self.stop.leaving(self._services.next_turn(), asked))
-        answers = await self._services.call_all(
+        wait = DEADLINE if servers == 1 else ALL_ANSWERS
+        self._become(self.stop.leaving(self._node.next_turn(), asked))
+        answers = await self._node.call_all(
             *(srv_type, name, request, servers, wait),
             lambda answers: on_late(answers_of(answers, servers, wait)),
         )
@@ -213,7 +184,7 @@ class StopSender:
 
     def on_release_accepted(self, turn: int) -> None:
         """Record that a release was accepted, by the turn of its request."""
-        now, turn_now = self._clock.monotonic(), self._services.next_turn()
+        now, turn_now = self._clock.monotonic(), self._node.next_turn()
         self._become(self.stop.release_accepted(turn, now, turn_now))
 
     def give_up(self) -> None:
@@ -223,13 +194,13 @@ class StopSender:
     def on_stopped_elsewhere(self, console: str) -> None:
         """Record that another console reports that the robot confirmed its STOP."""
         if self._served is not None:
-            turn, now = self._services.next_turn(), self._clock.monotonic()
+            turn, now = self._node.next_turn(), self._clock.monotonic()
             servers, here = self._servers(), self._unended_nodes()
             self._become(self.stop.stopped_elsewhere(console, turn, now, servers, here))
 
     def on_released_elsewhere(self, console: str) -> None:
         """Record that another console reports that it released the STOP."""
-        turn, now = self._services.next_turn(), self._clock.monotonic()
+        turn, now = self._node.next_turn(), self._clock.monotonic()
         self._become(self.stop.released_elsewhere(console, turn, now))
 
     def on_early_stop(self, node: str) -> None:

@@ -36,10 +36,7 @@ def is_stop_text(text: str) -> bool:
 
 
 def shell_words(line: bytes) -> list[str]:
-    """Return the words of a line, split as by a shell; [] if a quote or a backslash is left open.
-
-    Bytes that are not UTF-8 become replacement characters.
-    """
+    """Return the words of a line, split as by a shell; [] if a quote is left open."""
     try:
         return shlex.split(line.decode(errors="replace"))
     except ValueError:

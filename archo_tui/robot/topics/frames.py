@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.types import load_class
-from archo_tui.robot.node import Listener
+from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.frames import Transforms, with_transforms
 from archo_tui.robot.state.graph import in_namespace
 from archo_tui.robot.topics.inspect import Inspection, missing_type
@@ -24,14 +23,8 @@ class FrameListener:
     They are received between `begin` and `end`; several may need them at a time.
     """
 
-    def __init__(
-        self,
-        node: Listener,
-        clock: Clock,
-        graph: Graph,
-        on_change: Callable[[], None],
-    ) -> None:
-        self._node, self._clock = node, clock
+    def __init__(self, runtime: Runtime, graph: Graph, on_change: Callable[[], None]) -> None:
+        self._node, self._clock = runtime.node, runtime.clock
         self._graph, self._on_change = graph, on_change
         self._users = 0
         self._inspections: dict[str, Inspection] = {}  # By `tf` and `tf_static`.

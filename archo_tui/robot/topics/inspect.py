@@ -1,8 +1,4 @@
-"""The inspection of one topic: how often its messages come, how large they are, and the last one.
-
-Messages are counted as bytes, and decoded only when they are asked for: many of them, or large
-ones, cost the ROS thread little, and the black box gets none.
-"""
+"""The inspection of one topic: how often its messages come, their size, and the last one."""
 
 from __future__ import annotations
 
@@ -20,10 +16,15 @@ from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.endpoints import DEPTH, fitting_qos
 from archo_tui.robot.messages.period import RATE_INTERVALS
-from archo_tui.robot.node import Listener
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.state.graph import TopicInfo
-from archo_tui.robot.state.topic import FieldView, TopicRequest, TopicView
-from archo_tui.robot.topics.rows import TopicFields, with_elements
+from archo_tui.robot.topics.rows import (
+    FieldView,
+    TopicFields,
+    TopicRequest,
+    TopicView,
+    with_elements,
+)
 from archo_tui.robot_file.check import not_installed
 from archo_tui.ros_names import package_of
 
@@ -37,14 +38,11 @@ _COUNTED = 5_000  # Messages that count for the rate at most.
 
 
 class Inspection:
-    """A count of the messages of one topic, which lasts from `subscribe` to `unsubscribe`.
-
-    Its attributes may be read on any thread.
-    """
+    """A count of the messages of one topic, which lasts from `subscribe` to `unsubscribe`."""
 
     def __init__(
         self,
-        node: Listener,
+        node: ConsoleNode,
         clock: Clock,
         topic: str,
         message_class: Any,
@@ -75,10 +73,7 @@ class Inspection:
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
 
     def resubscribe_if_needed(self) -> None:
-        """Subscribe again if the QoS fits the publishers no more; the counts go on.
-
-        ROS thread only.
-        """
+        """Subscribe again if the QoS fits the publishers no more; ROS thread only."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if self._subscription is None or not publishers:
             return
@@ -117,13 +112,7 @@ class Inspection:
         return intervals / span if span > 0 and intervals >= RATE_INTERVALS else None
 
     def decode(self, data: bytes) -> Any:
-        """Return the message in serialized bytes, secret values masked.
-
-        A large message takes long: call this on a thread of its own.
-
-        Raises:
-            ArchoError: The message is larger than MAX_BYTES, or not of this topic's class.
-        """
+        """Return the message in serialized bytes, secrets masked; else raise ArchoError."""
         if len(data) > MAX_BYTES:
             raise ArchoError(too_large(len(data)))
         try:
@@ -162,11 +151,7 @@ class MessageIntake:
         self._arrivals: deque[tuple[float, int]] = deque(maxlen=_COUNTED)  # Times and bytes.
 
     def add(self, time: float, data: bytes, was_kept: bool = False) -> None:
-        """Count a message, and keep it for `drain`, unless it is too large or too many wait.
-
-        The newest message is always kept, unless it is larger than MAX_BYTES. Of the others, one
-        each 40 ms is kept, up to 16 MB.
-        """
+        """Count a message, and keep the newest, and one each 40 ms up to 16 MB, for `drain`."""
         with self._lock:
             if not was_kept:
                 self._arrivals.append((time, len(data)))
@@ -198,11 +183,7 @@ class MessageIntake:
         return self.last_size > MAX_BYTES
 
     def rates(self, now: float) -> tuple[float, float] | None:
-        """Return the mean rates in messages and in bytes a second, over the last 5 s or so.
-
-        Of a slow topic the last three intervals count. A silence since the last message does not
-        lower the rates.
-        """
+        """Return the mean messages and bytes a second over 5 s, at least three intervals."""
         with self._lock:
             arrivals = tuple(self._arrivals)
         counted = [arrival for arrival in arrivals if now - arrival[0] <= _WINDOW]
@@ -240,11 +221,7 @@ class TopicWatch:
         self._fault = ""  # Why the last message could not be decoded.
 
     def update(self, now: float, request: TopicRequest, *, only_newest: bool = False) -> TopicView:
-        """Decode the messages that have come since the last call, and return a view of the topic.
-
-        It may take long. Errors become the `fault` of the view, which then shows the last good
-        message, if there was one.
-        """
+        """Decode the messages that have come since the last call, and return a view."""
         waiting = self._intake.drain()
         for message in waiting[-1:] if only_newest else waiting:
             try:

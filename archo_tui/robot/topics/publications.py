@@ -8,15 +8,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError
-from archo_tui.robot.calls import Services
 from archo_tui.robot.graph.endpoints import is_matched
 from archo_tui.robot.messages.types import name_of
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.runtime import Runtime
 
+CANCEL = "cancel"  # Why one was ended.
+PAUSE = "a pause of the console"
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
 _LONGEST_GAP = 1.0  # Seconds without a look: this process was suspended, and read no STOP.
 _LINGER = 0.5  # Seconds that a publisher stays behind its last message, which may be on its way.
@@ -26,25 +27,45 @@ _FIND_PERIOD = 0.05
 _SPEEDS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 
 
+class Publications:
+    """All publications of this console that run."""
+
+    def __init__(self) -> None:
+        self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
+
+    def end_all(self, why: str) -> str:
+        """End all that run; return what was ended, "" for nothing."""
+        ended = self.active
+        for publication in ended:
+            publication.end(why)
+        return ", ".join(publication.topic for publication in ended)
+
+
 class Publication:
-    """A message that is published `times` times at `rate` Hz; for ever if `times` is None."""
+    """A message that is published `times` times at `rate` Hz; for ever if `times` is None.
+
+    `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
+    """
 
     def __init__(
         self,
-        publisher: Any,
-        qos: QoSProfile,
+        runtime: Runtime,
+        others: Publications,
+        topic: str,
         message: Any,
         rate: float,
         times: int | None,
         why_end: Callable[[], str],  # Returns why no message may follow; "" if one may.
         on_end: Callable[[Publication], None],
-        stamp: Callable[[], Any] | None,  # Returns the time for the header; None: it is typed.
     ) -> None:
-        self.publisher, self.message, self.rate, self.times = publisher, message, rate, times
-        self.qos = qos
-        self.why_end, self.on_end, self._stamp = why_end, on_end, stamp
-        self.topic: str = publisher.topic_name
-        self.timers: list[Any] = []
+        self._node, self._clock, self._others = runtime.node, runtime.clock, others
+        self.topic, self.rate, self.times = topic, rate, times
+        self._message, self._type = message, name_of(type(message))
+        stamp = getattr(getattr(message, "header", None), "stamp", None)
+        # The header has the time of each message, if nobody typed one.
+        self._takes_time = stamp is not None and not (stamp.sec or stamp.nanosec)
+        self._why_end, self._on_end = why_end, on_end
+        self._timers: list[Any] = []
         self.count = 0  # Messages so far.
         self.looked: float | None = None  # Monotonic s of the last look; None before the first.
         self.ended = ""  # Why it was ended; "" while it runs, and if all times are over.
@@ -55,123 +76,92 @@ class Publication:
         """The verb as it runs: `pub /cmd_vel, at 10 Hz`."""
         return f"pub {self.topic}, at {self.rate:g} Hz"
 
-    def publish(self, message: Any) -> None:
-        """Publish a message, with the present time in its header if nobody typed one."""
-        if self._stamp is not None:
-            message.header.stamp = self._stamp()
-        self.publisher.publish(message)
+    @property
+    def outcome(self) -> Outcome:
+        """The outcome of one that is over."""
+        count = f"{self.count} message{'s' * (self.count != 1)}"
+        if self.ended == CANCEL and self.times is None:  # There is no other end.
+            return Outcome(Code.DONE, f"ended after {count}")
+        if self.ended:
+            return Outcome(Code.CANCELLED, f"ended by {self.ended} after {count}")
+        return Outcome(Code.DONE, f"published {count}")
 
-
-class Publications:
-    """All publications of this console that run."""
-
-    def __init__(self, node: Node, clock: Clock, services: Services) -> None:
-        self._node, self._clock = node, clock
-        self._services = services
-        self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
-
-    async def begin(
-        self,
-        topic: str,
-        message: Any,
-        rate: float,
-        times: int | None,
-        why_end: Callable[[], str],  # Returns why no message may follow; "" if one may.
-        on_end: Callable[[Publication], None],
-        *,
-        takes_time: bool,  # The header has the time of each message.
-    ) -> Publication:
-        """Publish the first message, once a subscriber was found or is not expected any more.
-
-        `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
-        """
-        kind = name_of(type(message))
-        ends = (*self._node.get_publishers_info_by_topic(topic), *self._ends(topic))
-        own = self._node.get_name()
-        others = {end.topic_type for end in ends if end.node_name == own} - {kind}
+    async def begin(self) -> None:
+        """Publish the first message, once a subscriber was found or is not expected any more."""
+        node, subscriptions = self._node, self._subscriptions()
+        ends = node.get_publishers_info_by_topic(self.topic)
+        ends += node.get_subscriptions_info_by_topic(self.topic)
+        others = {end.topic_type for end in ends if end.node_name == node.get_name()} - {self._type}
         if others:  # Of a topic, DDS lets a participant have one type.
-            why = f"this console has {topic} as {', '.join(sorted(others))} now"
-            raise ArchoError(f"{why}: it cannot publish {kind} there as well")
-        infos = [end for end in self._subscriptions(topic) if end.topic_type == kind]
+            why = f"this console has {self.topic} as {', '.join(sorted(others))} now"
+            raise ArchoError(f"{why}: it cannot publish {self._type} there as well")
+        infos = [end for end in subscriptions if end.topic_type == self._type]
         kept = QoSDurabilityPolicy.TRANSIENT_LOCAL
         is_kept = any(info.qos_profile.durability == kept for info in infos)
-        durability = kept if is_kept else QoSDurabilityPolicy.VOLATILE
-        qos = QoSProfile(depth=10, durability=durability)
-        publisher = self._node.create_publisher(type(message), topic, qos)
-        stamp = self._node.get_clock().now if takes_time else None
-        publication = Publication(
-            *(publisher, qos, message, rate, times, why_end, on_end),
-            None if stamp is None else lambda: stamp().to_msg(),
-        )
-        self.active = (*self.active, publication)
+        self._qos = QoSProfile(depth=10)
+        self._qos.durability = kept if is_kept else QoSDurabilityPolicy.VOLATILE
+        self._publisher = node.create_publisher(type(self._message), self.topic, self._qos)
+        self.topic = self._publisher.topic_name
+        self._others.active += (self,)
         waits = _FIND_TIME if infos else 0.0
-        while waits > 0 and not (publication.is_over or why_end()):
-            if publisher.get_subscription_count():
+        while waits > 0 and not (self.is_over or self._why_end()):
+            if self._publisher.get_subscription_count():
                 break
-            await self._services.pause(_FIND_PERIOD)
+            await node.pause(_FIND_PERIOD)
             waits -= _FIND_PERIOD
-
-        def next_message() -> None:
-            look()
-            if not publication.is_over:
-                publication.publish(message)
-                publication.count += 1
-                if publication.count == times:
-                    self.end(publication, "")
-
-        def look() -> None:
-            now, before = self._clock.monotonic(), publication.looked
-            publication.looked = now
-            if before is not None and now - before > _LONGEST_GAP:
-                self.end(publication, "a pause of the console")
-            elif why := why_end():
-                self.end(publication, why)
-
-        next_message()
-        if not publication.is_over:
-            clock = self._services.steady
-            publication.timers = [
-                self._node.create_timer(1.0 / rate, next_message, clock=clock),
-                self._node.create_timer(_LOOK_PERIOD, look, clock=clock),
+        self._publish_next()
+        if not self.is_over:
+            self._timers = [
+                node.create_steady_timer(1.0 / self.rate, self._publish_next),
+                node.create_steady_timer(_LOOK_PERIOD, self._look),
             ]
-        return publication
 
-    def _ends(self, topic: str) -> list[Any]:
-        ends: list[Any] = self._node.get_subscriptions_info_by_topic(topic)
-        return ends
-
-    def _subscriptions(self, topic: str) -> list[Any]:
+    def _subscriptions(self) -> list[Any]:
         """Return the subscriptions of other nodes."""
-        return [end for end in self._ends(topic) if end.node_name != self._node.get_name()]
+        ends, own = self._node.get_subscriptions_info_by_topic(self.topic), self._node.get_name()
+        return [end for end in ends if end.node_name != own]
 
-    def subscriber_counts(self, publication: Publication) -> tuple[int, int]:
+    def subscriber_counts(self) -> tuple[int, int]:
         """Return how many subscriptions get the messages, and how many others the topic has."""
-        kind, qos = name_of(type(publication.message)), publication.qos
-        ends = self._subscriptions(publication.topic)
-        matched = sum(is_matched(kind, qos, end) for end in ends)
+        ends = self._subscriptions()
+        matched = sum(is_matched(self._type, self._qos, end) for end in ends)
         return matched, len(ends) - matched
 
-    def end(self, publication: Publication, why: str) -> None:
-        """End a publication, unless it is over; one of velocities is ended early by a zero one."""
-        if publication.is_over:
+    def _publish_next(self) -> None:
+        self._look()
+        if not self.is_over:
+            self._publish(self._message)
+            self.count += 1
+            if self.count == self.times:
+                self.end("")
+
+    def _publish(self, message: Any) -> None:
+        if self._takes_time:
+            message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+    def _look(self) -> None:
+        now, before = self._clock.monotonic(), self.looked
+        self.looked = now
+        if before is not None and now - before > _LONGEST_GAP:
+            self.end(PAUSE)
+        elif why := self._why_end():
+            self.end(why)
+
+    def end(self, why: str) -> None:
+        """End it, unless it is over; one of velocities is ended early by a zero one."""
+        if self.is_over:
             return
-        publication.is_over, publication.ended = True, why
-        self.active = tuple(other for other in self.active if other is not publication)
-        for timer in publication.timers:
+        self.is_over, self.ended = True, why
+        self._others.active = tuple(other for other in self._others.active if other is not self)
+        for timer in self._timers:
             self._node.destroy_timer(timer)
-        if why and publication.count and name_of(type(publication.message)) in _SPEEDS:
-            publication.publish(type(publication.message)())
-        publication.on_end(publication)
+        if why and self.count and self._type in _SPEEDS:
+            self._publish(type(self._message)())
+        self._on_end(self)
 
         def destroy() -> None:
             self._node.destroy_timer(timer)
-            self._node.destroy_publisher(publication.publisher)
+            self._node.destroy_publisher(self._publisher)
 
-        timer = self._node.create_timer(_LINGER, destroy, clock=self._services.steady)
-
-    def end_all(self, why: str) -> str:
-        """End all that run; return what was ended, "" for nothing."""
-        ended = self.active
-        for publication in ended:
-            self.end(publication, why)
-        return ", ".join(publication.topic for publication in ended)
+        timer = self._node.create_steady_timer(_LINGER, destroy)

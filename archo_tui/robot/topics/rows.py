@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from array import array
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from enum import Enum, auto
 from functools import lru_cache
 from itertools import islice
 from typing import Any, NamedTuple
@@ -22,19 +23,79 @@ from archo_tui.robot.messages.types import (
     name_of,
     ros2msg_type,
 )
-from archo_tui.robot.state.topic import (
-    SHOWN_ELEMENTS,
-    Curve,
-    FieldKind,
-    FieldView,
-    Range,
-    TopicRequest,
-    TopicView,
-)
+from archo_tui.robot.state.graph import TopicInfo
 
 MAX_FIELDS = 2_000  # Rows of one message.
 SPAN = 60.0  # Seconds of values.
 PER_SECOND = 10  # Least and greatest of a field are kept for each tenth of a second.
+
+
+Range = tuple[float, float]  # The least and the greatest value.
+Curve = tuple[Range | None, ...]  # The values of the last minute, the oldest first; None: no value.
+
+
+SHOWN_ELEMENTS = 20  # Of an open array.
+
+
+class FieldKind(Enum):
+    """The kinds of rows of a message."""
+
+    VALUE = auto()  # A number, a text, a bool or a time.
+    GROUP = auto()  # A message, whose fields follow.
+    ARRAY = auto()
+    MORE = auto()  # The elements of an open array that are not shown.
+
+
+class FieldView(NamedTuple):
+    """A row for a field of a message, or for an element of an array that is open."""
+
+    path: str  # Its dotted path: `pose.position.x`, `ranges[3]`.
+    kind: FieldKind
+    type: str  # Its type as .msg files write it; of an array with its length: `float32[360]`.
+    value: bool | float | str | None = None  # Its value, NaN also; None for a group.
+    is_time: bool = False  # True if the value is a time of day.
+    unit: str = ""  # Its unit; "" if neither its definition nor the robot file names one.
+    constant: str = ""  # The name that the type gives to this value, or "".
+    least: float | None = None  # The least value since the topic was opened.
+    greatest: float | None = None  # The greatest value, as `least`.
+    nan: int = 0  # Of an array, the number of elements that are NaN.
+    first: str = ""  # Of an array of bytes, the first ones in hexadecimal.
+    is_open: bool = False  # True for an array whose elements follow.
+    curve: Curve = ()  # Its values of the last minute; () if they were not asked for.
+
+
+class TopicView(NamedTuple):
+    """A topic at one moment."""
+
+    topic: str
+    type: str = ""  # The type of its messages; "" while none is known.
+    received: int = 0  # The number of messages that came since the topic was opened.
+    rate: float | None = None  # The messages in a second; None before three intervals.
+    bytes_per_second: float | None = None  # The bytes of these messages in a second.
+    age: float | None = None  # Seconds since the last message.
+    fields: tuple[FieldView, ...] = ()  # The rows for the fields of the last message, in its order.
+    is_cut: bool = False  # True if the message has more fields than are shown.
+    # The values of the last minute by path, for those that were asked for.
+    plots: Mapping[str, Curve] = {}
+    ends: TopicInfo | None = None  # Its publishers and subscriptions; None if they are not known.
+    fault: str = ""  # Why nothing is shown, or why not the last message; "" if nothing is wrong.
+    # The arrays whose elements are among the fields: by path, the first element.
+    open_arrays: Mapping[str, int] = {}
+    # Takes this view and other `open_arrays`, and returns the view with the elements of these, from
+    # the same message.
+    with_elements: Callable[[TopicView, Mapping[str, int]], TopicView] | None = None
+
+
+class TopicRequest(NamedTuple):
+    """The parts of a view that a screen needs."""
+
+    # The arrays whose elements are shown: by path, the index of the first one shown.
+    open_arrays: Mapping[str, int] = {}
+    # The paths of the fields whose curve is shown beside them.
+    visible: frozenset[str] = frozenset()
+    curve_columns: int = 0  # The number of columns of such a curve.
+    plotted: tuple[str, ...] = ()  # The paths of the fields that are plotted.
+    plot_columns: int = 0  # The number of columns of a plot.
 
 
 class _FieldType(NamedTuple):
@@ -48,11 +109,6 @@ class _FieldType(NamedTuple):
         return self.element is None and NESTED.fullmatch(self.kind) is not None
 
 
-def _field_types(message: Any) -> tuple[_FieldType, ...]:
-    message_class: Any = type(message)
-    return _types_of(message_class)
-
-
 @lru_cache(256)
 def _types_of(message_class: Any) -> tuple[_FieldType, ...]:
     names = value_names(name_of(message_class))
@@ -63,17 +119,14 @@ def _types_of(message_class: Any) -> tuple[_FieldType, ...]:
 
 
 def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[FieldView], bool]:
-    """Return the rows of a message, at most `MAX_FIELDS`, and True if it has more.
-
-    `open_arrays` has, by path, the first element that is shown. A large message takes long, and
-    interface files may be read: call this on no thread that others wait for.
-    """
+    """Return the rows of a message, at most `MAX_FIELDS`, and True if it has more."""
     found = list(islice(_fields(message, "", open_arrays), MAX_FIELDS + 1))
     return found[:MAX_FIELDS], len(found) > MAX_FIELDS
 
 
 def _fields(message: Any, before: str, open_arrays: Mapping[str, int]) -> Iterator[FieldView]:
-    for field in _field_types(message):
+    message_class: Any = type(message)
+    for field in _types_of(message_class):
         yield from _row(f"{before}{field.name}", field, getattr(message, field.name), open_arrays)
 
 
@@ -143,10 +196,7 @@ def _shown(value: Any, kind: str) -> bool | float | str:
 
 
 class TopicFields:
-    """The rows, ranges and curves of a topic's fields since the topic was opened.
-
-    `is_cut` is True if the message of the last `rows` has more fields than are returned.
-    """
+    """The rows, ranges and curves of a topic's fields since the topic was opened."""
 
     def __init__(self, units: Mapping[str, str]) -> None:
         self._units = units  # Of the robot file, by path.
@@ -158,10 +208,7 @@ class TopicFields:
         self.is_cut = False
 
     def add(self, time: float, message: Any, open_arrays: Mapping[str, int]) -> None:
-        """Make a message the last one, and add its numbers to ranges and curves; NaN is left out.
-
-        `time` is on the clock of `rows`. A hostile message may raise anything.
-        """
+        """Make a message the last one, and add its finite numbers to ranges and curves."""
         self._read(message, open_arrays)
         part = math.floor(time * PER_SECOND)
         for row in self._rows:
@@ -178,10 +225,7 @@ class TopicFields:
         return self._histories.setdefault(path, Series(PER_SECOND, round(SPAN * PER_SECOND)))
 
     def rows(self, now: float, request: TopicRequest) -> tuple[FieldView, ...]:
-        """Return the rows of the last message, with ranges and the visible curves; () without one.
-
-        A row that has not changed is the same object as before.
-        """
+        """Return the rows of the last message; one that is unchanged is the same object."""
         if self.message is None:
             return ()
         if self._open_arrays != request.open_arrays:
@@ -217,10 +261,7 @@ class TopicFields:
 
 
 def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int]) -> TopicView:
-    """Return a view of a message with the elements of other arrays; an error becomes its fault.
-
-    Fields that the view has keep their ranges and curves.
-    """
+    """Return a view of a message with the elements of other arrays; an error becomes its fault."""
     try:
         rows, is_cut = field_rows(message, open_arrays)
     except Exception as error:  # A hostile message may raise anything.
@@ -279,10 +320,7 @@ class Series:
                 del of[: -self._kept]
 
     def curve(self, now: float, span: float, columns: int) -> tuple[Range | None, ...]:
-        """Return the last `span` seconds in columns, each with the range of its values, or None.
-
-        The columns begin at multiples of their length, so that a column that is past never changes.
-        """
+        """Return the last `span` seconds in columns, each with the range of its values, or None."""
         width = span / columns
         oldest = math.floor(now / width) - columns + 1
         found: list[Range | None] = [None] * columns

@@ -1,1 +1,0 @@
-"""The readings of battery, motion, pose, gauges and diagnostics."""
