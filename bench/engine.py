@@ -114,7 +114,7 @@ class Ros:
     """One context, one executor."""
 
     def __init__(self, name: str) -> None:
-        from archo_tui import engine
+        from archo_tui.ros import engine
 
         engine.activate(name)
         import rclpy

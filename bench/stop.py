@@ -20,7 +20,7 @@ from pathlib import Path
 from statistics import median
 
 from archo_tui.client import sockets
-from archo_tui.keyed_app import HELD
+from archo_tui.screen.keyed_app import HELD
 from bench.process import Program
 
 _PRESSES = 30

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from textual.screen import Screen
 
-from archo_tui import engine
 from archo_tui.robot_file import load
+from archo_tui.ros import engine
 from tests.support import chosen, forks, textual_once
 
 if TYPE_CHECKING:
@@ -228,7 +228,7 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
 @pytest.fixture(autouse=True, scope="session")
 def _as_all_tests_want_it() -> None:
     """Change what all tests want otherwise, once for the whole run."""
-    from archo_tui.screens.main import MainScreen
+    from archo_tui.screen.main import MainScreen
 
     # Style sheets and ARCHO's file are parsed once for all the apps.
     textual_once.share()

@@ -18,10 +18,10 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.cli.verb import verbs_of_file
-from archo_tui.commands import registry
-from archo_tui.commands.base import NOT_TYPING, readable_key
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import NONE_WORDS, default_path, load
+from archo_tui.screen.commands import registry
+from archo_tui.screen.commands.base import NOT_TYPING, readable_key
 from tests.state_pictures import goal_picture, goal_table, stop_picture, stop_table
 
 ROOT = Path(__file__).parent.parent

@@ -25,18 +25,24 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parent.parent
+# Rooms whose folders are rooms, too.
+NESTED = ("base", "ros", "screen", "user_code")
 # The tests of a room, a folder of archo_tui/, are in the folder of the same name, but for these.
 TESTS = {
-    # The modules beside the folders.
-    "archo_tui": "console station/test_shutdown.py robot/test_session.py test_clock.py "
-    "test_collector.py test_imports.py test_other_systems.py",
+    "archo_tui": "client test_cli.py",
+    "base": "test_clock.py test_collector.py test_imports.py test_other_systems.py station",
+    "check": "chapter",
     "cli": "test_cli.py test_docs.py",
     "client": "client assistant",
     "console": "plain client",
     "embedded": "contract embedded",
     "recordings": "black_box replay",
+    "ros": "embedded test_ros2_commands.py",
+    "ros_launch": "launch",
+    "screen": "console screens",
+    "session": "robot/test_session.py user_code station",
     **dict.fromkeys(("robot", "robot_file"), "robot robots"),
-    **dict.fromkeys(("verbs", "text", "parameters"), "verbs parameters"),
+    **dict.fromkeys(("verbs", "text"), "verbs"),
 }
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt},
@@ -145,8 +151,9 @@ def rooms(root: Path) -> dict[str, list[Path]]:
     found: dict[str, list[Path]] = {}
     for path in sorted([*root.glob("archo_tui/**/*.py"), *root.glob("nodes/**/*.py")]):
         file = path.relative_to(root)
-        is_inside = file.parts[0] == "archo_tui" and len(file.parts) > 2
-        found.setdefault(file.parts[1 if is_inside else 0], []).append(file)
+        folders = file.parts[: -1 if file.parts[0] == "archo_tui" else 1]
+        place = 2 if folders[1:2] and folders[1] in NESTED else 1
+        found.setdefault(folders[: place + 1][-1], []).append(file)
     return found
 
 

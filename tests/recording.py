@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from archo_tui import engine
+from archo_tui.ros import engine
 from tests.support import chosen
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from archo_tui.embedded import HERE
-from archo_tui.embedded.idl import FLOATS, INTEGERS, TYPE_CODES, FieldType, Section, parse
-from archo_tui.embedded.import_hook import KINDS
+from archo_tui.ros.embedded import HERE
+from archo_tui.ros.embedded.idl import FLOATS, INTEGERS, TYPE_CODES, FieldType, Section, parse
+from archo_tui.ros.embedded.import_hook import KINDS
 
 _HEADER = "# Made by tests.stubs from the interface files; a test keeps it fresh.\n"
 

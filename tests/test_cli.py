@@ -13,10 +13,11 @@ from zipfile import ZipFile
 
 import pytest
 
-from archo_tui import __version__, shutdown
+from archo_tui import __version__
 from archo_tui.cli import main
 from archo_tui.cli.options import split_ros_args
 from archo_tui.robot_file.load import default_path
+from archo_tui.station import shutdown
 from archo_tui.verbs import verbs
 from tests.support import chosen, warm
 from tests.support.archo import ARCHO
@@ -376,7 +377,7 @@ def test_ros_args_are_taken_off() -> None:
 
 def run_patched(patch: str, *words: str) -> subprocess.CompletedProcess[str]:
     """archo-tui with a part of its engine module replaced, as on another machine."""
-    code = f"import sys\nfrom archo_tui import engine\n{patch}\n"
+    code = f"import sys\nfrom archo_tui.ros import engine\n{patch}\n"
     code += f"from archo_tui.cli import main\nsys.exit(main({list(words)!r}))"
     return subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60

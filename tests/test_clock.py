@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.clock import time_of_day
+from archo_tui.base.clock import time_of_day
 from tests.support import clock
 from tests.support.console import FAST, console
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from archo_tui.collector import ShortPauses
+from archo_tui.base.collector import ShortPauses
 
 
 class Kept:
@@ -30,7 +30,7 @@ def collect(monkeypatch: pytest.MonkeyPatch) -> Iterator[Collect]:
         nonlocal now
         times = iter((now, now + seconds))
         now += seconds
-        monkeypatch.setattr("archo_tui.collector.time.thread_time", lambda: next(times, now))
+        monkeypatch.setattr("archo_tui.base.collector.time.thread_time", lambda: next(times, now))
         gc.collect()
 
     with ShortPauses():

@@ -16,6 +16,7 @@ import jsonschema
 import pytest
 
 from archo_tui import cli
+from archo_tui.base.yaml_text import bounded_yaml
 from archo_tui.cli.options import (
     SUBCOMMANDS,
     OneLineErrorParser,
@@ -25,16 +26,15 @@ from archo_tui.cli.options import (
     split_ros_args,
 )
 from archo_tui.client import shell as verbs_from_shells
-from archo_tui.commands import keymap, registry
-from archo_tui.commands.base import readable_key
-from archo_tui.commands.replay import replay_commands
-from archo_tui.embedded import parameter_files
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES
+from archo_tui.ros.embedded import parameter_files
+from archo_tui.screen.commands import keymap, registry
+from archo_tui.screen.commands.base import readable_key
+from archo_tui.screen.commands.replay import replay_commands
 from archo_tui.station import conditions
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import YES, named
-from archo_tui.yaml_text import bounded_yaml
 from tests import generated
 from tests.generated import ROOT, SCHEMA, anchor
 from tests.support import chosen
@@ -48,7 +48,7 @@ DOCS = sorted((ROOT / "docs").glob("*.md"))
 OTHERS = ("CONTRIBUTING.md", "THIRD_PARTY.md", "CHANGELOG.md", "SECURITY.md")
 PAGES = [README, *map(ROOT.joinpath, OTHERS), *DOCS]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-PACKAGES = (".", "archo_tui", "archo_tui/embedded")
+PACKAGES = (".", "archo_tui", "archo_tui/screen", "archo_tui/ros/embedded")
 VERBS = verbs(ARCHO, FORMS)
 each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
@@ -145,7 +145,7 @@ def test_every_folder_of_the_architecture_exists() -> None:
 
 def test_every_package_that_others_wrote_is_in_the_notice() -> None:
     notice = (ROOT / "THIRD_PARTY.md").read_text(encoding="utf-8")
-    for package in (ROOT / "archo_tui" / "embedded" / "share").iterdir():
+    for package in (ROOT / "archo_tui" / "ros" / "embedded" / "share").iterdir():
         assert f"`{package.name}`" in notice, package.name
     licences = re.search(r"^license-files = (.*)$", PROJECT, re.MULTILINE)
     assert licences is not None

@@ -8,11 +8,11 @@ from pathlib import Path
 
 _PROGRAM = """
 import sys
-from archo_tui import engine
+from archo_tui.ros import engine
 engine.activate("embedded", hosting=True)
-import archo_tui.app
-from archo_tui.imports import OF_THE_SCREEN, import_the_rest
-replay = "archo_tui.commands.replay", "archo_tui.recordings.replay.player"
+import archo_tui.screen.app
+from archo_tui.base.imports import OF_THE_SCREEN, import_the_rest
+replay = "archo_tui.screen.commands.replay", "archo_tui.recordings.replay.player"
 print([name in sys.modules for name in replay])
 import_the_rest(OF_THE_SCREEN)
 print([name in sys.modules for name in replay])
@@ -21,11 +21,11 @@ print([name in sys.modules for name in replay])
 _WITH_INTERFACES = """
 import sys
 from pathlib import Path
-import archo_tui.session
+import archo_tui.session.session
 from archo_tui.user_code import interfaces
-print("archo_tui.launch.workspace" in sys.modules)
+print("archo_tui.user_code.ros_launch.workspace" in sys.modules)
 interfaces.find([Path("interfaces")], "embedded")
-print("archo_tui.launch.setup_script" in sys.modules)
+print("archo_tui.user_code.ros_launch.setup_script" in sys.modules)
 """
 
 

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.real_time
 
 BARE = """
 import asyncio, os, signal, sys
-import archo_tui.embedded  # nothing of ours that asks the system for anything
+import archo_tui.ros.embedded  # nothing of ours that asks the system for anything
 import textual.app, textual.pilot
 for name in ("fcntl", "termios", "tty", "pty", "resource", "pwd", "grp"):
     sys.modules[name] = None  # its import fails
@@ -34,11 +34,11 @@ asyncio.BaseEventLoop.add_signal_handler = refuse
 """
 FAST = ["--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0"]
 CONSOLE = f"""
-from archo_tui.app import ArchoApp
-from archo_tui.session_options import Options
-from archo_tui.session import Session
-from archo_tui.shutdown import heed_signals
-from archo_tui.terminal.stderr import guarded_streams, log_file
+from archo_tui.screen.app import ArchoApp
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
+from archo_tui.station.shutdown import heed_signals
+from archo_tui.screen.terminal.stderr import guarded_streams, log_file
 
 async def until(pilot, holds):
     for _ in range(3000):

@@ -31,9 +31,9 @@ def test_the_command_line_starts_light() -> None:
 
 def test_without_a_screen_textual_is_not_imported_and_nowhere_the_assistants_sdk() -> None:
     code = (
-        "import sys, archo_tui.console.plain, archo_tui.cli, archo_tui.session;"
+        "import sys, archo_tui.console.plain, archo_tui.cli, archo_tui.session.session;"
         "'textual' in sys.modules and sys.exit('Textual was imported');"
-        "import archo_tui.app, archo_tui.client.robot, archo_tui.client.shell;"
+        "import archo_tui.screen.app, archo_tui.client.robot, archo_tui.client.shell;"
         "found = {'mcp', 'mcp_types', 'pydantic', 'anyio', 'archo_tui.client.mcp'};"
         "sys.exit(f'imported: {found & set(sys.modules)}' if found & set(sys.modules) else 0)"
     )

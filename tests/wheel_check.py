@@ -3,9 +3,9 @@
 import asyncio
 import sys
 
-from archo_tui.app import ArchoApp
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.screen.app import ArchoApp
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 
 
 async def main() -> int:

@@ -11,6 +11,9 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
+from archo_tui.base.collector import ShortPauses
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.system import END_SIGNALS, command_line
 from archo_tui.cli import completion, graph, subcommands
 from archo_tui.cli.console import run_console
 from archo_tui.cli.launch import launch
@@ -26,10 +29,7 @@ from archo_tui.cli.verb import helps, send_stop, send_verb, wrong_option
 from archo_tui.client import shell  # Loads quickly, since a prompt may call it.
 from archo_tui.client.protocol import FAILED, MISUSED
 from archo_tui.client.shell import complain
-from archo_tui.collector import ShortPauses
-from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
-from archo_tui.system import END_SIGNALS, command_line
 
 _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 _RUN: dict[str, Callable[[Namespace], int]] = {

@@ -13,11 +13,11 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from archo_tui import engine
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.ros import engine
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from archo_tui.user_code.check.launch import check_launch_file, is_launch_file
 from archo_tui.user_code.check.tap import Report
 from archo_tui.user_code.output import NodeOutput

@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
+from archo_tui.base.errors import ArchoError
 from archo_tui.cli.options import (
     ENGINES,
     SUBCOMMANDS,
@@ -26,7 +27,6 @@ from archo_tui.client import find
 from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import CommandLine
-from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERBS
 
 _TIMEOUT = 0.25  # Seconds, twice: for the hello of a console, and for its answer.

@@ -10,20 +10,20 @@ from functools import partial
 from io import StringIO
 
 from archo_tui import __version__
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.safe_text import safe
 from archo_tui.cli.options import ENGINES
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain
-from archo_tui.errors import ArchoError
-from archo_tui.safe_text import safe
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import TextIO
 
-    from archo_tui.app import ArchoApp
-    from archo_tui.handover import Handover
-    from archo_tui.session import Session
-    from archo_tui.session_options import Launch
+    from archo_tui.base.handover import Handover
+    from archo_tui.screen.app import ArchoApp
+    from archo_tui.session.options import Launch
+    from archo_tui.session.session import Session
 
 # Crashes of the screen in a row after which the program ends. One that a person's key led to can be
 # avoided by that person, and must not end a console that drives.
@@ -42,8 +42,8 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     options.engine, options.namespace = options.engine or ENGINES[0], options.namespace or "/"
     if options.version:
         return _print_version(options.engine)
-    from archo_tui.handover import restore_terminal, take
-    from archo_tui.shutdown import RESTART
+    from archo_tui.base.handover import restore_terminal, take
+    from archo_tui.station.shutdown import RESTART
 
     left, code = take(), FAILED
     try:
@@ -62,9 +62,9 @@ def _run(
         # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
-    from archo_tui.session import Session
-    from archo_tui.session_options import Options
-    from archo_tui.shutdown import RESTART, ignore_signals
+    from archo_tui.session.options import Options
+    from archo_tui.session.session import Session
+    from archo_tui.station.shutdown import RESTART, ignore_signals
     from archo_tui.user_code.output import HarmlessOutput
 
     if options.plain and sys.stdout is None:
@@ -101,7 +101,7 @@ def _run(
 def _typed(stdin: TextIO | None, stop_key: str) -> set[str]:
     """Drop what was typed while no screen read it; return Textual's names of the keys."""
     if sys.platform != "win32" and stdin is not None:
-        from archo_tui.terminal.driver import drain_keys
+        from archo_tui.screen.terminal.driver import drain_keys
 
         return drain_keys(stdin.fileno(), stop_key)
     return set()
@@ -121,7 +121,7 @@ def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:
     """Leave the record for the next process, with a STOP that was typed."""
-    from archo_tui.handover import give
+    from archo_tui.base.handover import give
 
     left = _with_typed_stop(session.hand_over(), stdin)
     assert left is not None
@@ -130,13 +130,13 @@ def _restart(session: Session, stdin: TextIO | None) -> None:
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     """Take commands line by line from `stdin` until its end; what nodes print becomes events."""
+    from archo_tui.base.imports import OF_ALL, import_the_rest
     from archo_tui.console import plain
-    from archo_tui.imports import OF_ALL, import_the_rest
-    from archo_tui.shutdown import heed_signals, nothing_published_while_suspended
+    from archo_tui.station.shutdown import heed_signals, nothing_published_while_suspended
     from archo_tui.user_code.output import NodeOutput
 
     if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.
-        from archo_tui.commands import keymap, registry
+        from archo_tui.screen.commands import keymap, registry
 
         keymap.default_keys(registry(session.file))
     heed_signals()
@@ -159,13 +159,13 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     require_terminal(stdin)
     import asyncio
 
-    from archo_tui.app import ArchoApp
-    from archo_tui.commands import keymap, registry
-    from archo_tui.handover import Handover, restore_terminal
-    from archo_tui.paths import config_file
-    from archo_tui.shutdown import RESTART, heed_signals
-    from archo_tui.terminal import themes
-    from archo_tui.terminal.stderr import guarded_streams, log_file
+    from archo_tui.base.handover import Handover, restore_terminal
+    from archo_tui.base.paths import config_file
+    from archo_tui.screen.app import ArchoApp
+    from archo_tui.screen.commands import keymap, registry
+    from archo_tui.screen.terminal import themes
+    from archo_tui.screen.terminal.stderr import guarded_streams, log_file
+    from archo_tui.station.shutdown import RESTART, heed_signals
 
     station, clock = session.station, session.station.clock
     left = session.options.handover
@@ -214,7 +214,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
 async def _give_up(app: ArchoApp, stdin: TextIO | None) -> None:
     """Send a STOP that was typed since the last screen, and cancel or leave the running goal."""
-    from archo_tui.shutdown import CANCEL, let_go
+    from archo_tui.station.shutdown import CANCEL, let_go
 
     station, stops = app.station, app.stops
     typed = _typed(stdin, app.stop_key)

@@ -8,10 +8,10 @@ import time
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
 
+from archo_tui.base.errors import ArchoError, in_one_line
+from archo_tui.base.safe_text import safe
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain
-from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.safe_text import safe
 
 TYPE_CHECKING = False  # Importing typing takes longer than a short command.
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def look(_options: Namespace) -> int:
 
 def _find_nodes() -> Mapping[int, Sequence[str]]:
     """Return the nodes in each domain that has any; hidden ones are left out."""
-    from archo_tui import engine
+    from archo_tui.ros import engine
 
     engine.activate("ros2")
     import rclpy
@@ -102,10 +102,10 @@ def describe_robot(options: Namespace) -> int:
     """
     import asyncio
 
-    from archo_tui.parameters.save_load import write_atomically
     from archo_tui.robot_file.propose import SeveralRobots
-    from archo_tui.session import Session
-    from archo_tui.session_options import Options
+    from archo_tui.session.options import Options
+    from archo_tui.session.session import Session
+    from archo_tui.station.save_load import write_atomically
 
     if options.engine not in ("", "ros2"):
         raise ArchoError("robot looks at a ROS 2 graph, which the embedded engine has not")

@@ -7,26 +7,26 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.safe_text import safe
 from archo_tui.cli.console import run_console
 from archo_tui.cli.options import console_parser
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain
-from archo_tui.errors import ArchoError
-from archo_tui.safe_text import safe
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from archo_tui.launch.plan import LaunchArgument
+    from archo_tui.user_code.ros_launch.plan import LaunchArgument
 
 _SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml")  # As ROS 2's launch files end.
 
 
 def launch(options: Namespace) -> int:
     """Run the console with a launch file, or print the arguments that the file declares."""
-    from archo_tui.launch.evaluate import evaluate, parse_arguments
-    from archo_tui.launch.workspace import Workspace
-    from archo_tui.session_options import Launch
+    from archo_tui.session.options import Launch
     from archo_tui.user_code.launch_file import NothingRunsError
+    from archo_tui.user_code.ros_launch.evaluate import evaluate, parse_arguments
+    from archo_tui.user_code.ros_launch.workspace import Workspace
 
     file = _launch_file(options.file)
     if options.show_args:
@@ -49,7 +49,7 @@ def _launch_file(given: Path) -> Path:
     """Return a given file as it is, or for a workspace the only launch file of its packages."""
     if not given.is_dir():
         return given
-    from archo_tui.launch.workspace import Workspace
+    from archo_tui.user_code.ros_launch.workspace import Workspace
 
     folders = [package.folder for package in Workspace.below(given).packages.values()]
     found = sorted(

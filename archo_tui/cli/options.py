@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
 
 TYPE_CHECKING = False
@@ -285,7 +285,7 @@ class OneLineErrorParser(argparse.ArgumentParser):
         typed = next((word.partition("=")[0] for word in wrong if word.startswith("--")), "")
         if not typed:
             return ""
-        from archo_tui.nearest import nearest
+        from archo_tui.base.nearest import nearest
 
         known = [option for action in self._actions for option in action.option_strings]
         near = nearest(typed, known)

@@ -10,12 +10,12 @@ import threading
 from argparse import Namespace
 from pathlib import Path
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.safe_text import safe
 from archo_tui.cli.console import require_terminal
 from archo_tui.cli.options import ENGINES
 from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain
-from archo_tui.errors import ArchoError
-from archo_tui.safe_text import safe
 
 _PACKAGE = Path(__file__).parents[1]
 _INTERFACES = ("CMakeLists.txt", "package.xml", "msg", "srv", "action")
@@ -46,9 +46,9 @@ def check(options: Namespace) -> int:
 
 def print_keys(options: Namespace) -> int:
     """Print the key of each command, in the form of keymap.yaml, and return 0."""
-    from archo_tui.commands import keymap, registry
-    from archo_tui.paths import config_file
+    from archo_tui.base.paths import config_file
     from archo_tui.robot_file import load
+    from archo_tui.screen.commands import keymap, registry
 
     path = config_file("keymap.yaml")
     robot = load.load(options.robot or load.default_path())
@@ -85,7 +85,7 @@ def serve_assistant(options: Namespace) -> int:
 
 def print_journal_path(_options: Namespace) -> int:
     """Print the path of the journal, and return 0."""
-    from archo_tui.paths import journal_file
+    from archo_tui.base.paths import journal_file
 
     print(safe(str(journal_file())))
     return 0
@@ -93,7 +93,7 @@ def print_journal_path(_options: Namespace) -> int:
 
 def replay(options: Namespace) -> int:
     """Show a recording on the screen until it is left, or with `--text` print what happened."""
-    from archo_tui import engine
+    from archo_tui.ros import engine
     from archo_tui.user_code import interfaces as own_interfaces
 
     if not options.text:
@@ -105,7 +105,7 @@ def replay(options: Namespace) -> int:
     for line in mistakes:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
-    from archo_tui.clock import Clock
+    from archo_tui.base.clock import Clock
     from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
 
     bag = open_bag(options.recording)
@@ -116,15 +116,15 @@ def replay(options: Namespace) -> int:
         for line in report_lines(bag, robot):
             print(safe(line))
         return 0
-    from archo_tui.app import ArchoApp
-    from archo_tui.commands import keymap, registry
-    from archo_tui.handover import CONSOLE_SOCKET, GO, READY
-    from archo_tui.imports import OF_THE_SCREEN, import_the_rest
-    from archo_tui.paths import config_file
+    from archo_tui.base.handover import CONSOLE_SOCKET, GO, READY
+    from archo_tui.base.imports import OF_THE_SCREEN, import_the_rest
+    from archo_tui.base.paths import config_file
     from archo_tui.recordings.replay.station import RecordedStation
-    from archo_tui.shutdown import heed_signals
-    from archo_tui.terminal import themes
-    from archo_tui.terminal.stderr import guarded_streams, log_file
+    from archo_tui.screen.app import ArchoApp
+    from archo_tui.screen.commands import keymap, registry
+    from archo_tui.screen.terminal import themes
+    from archo_tui.screen.terminal.stderr import guarded_streams, log_file
+    from archo_tui.station.shutdown import heed_signals
 
     keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
     heed_signals()

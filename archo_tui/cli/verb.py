@@ -6,9 +6,9 @@ import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
+from archo_tui.base.nearest import nearest
 from archo_tui.cli.options import ENGINES, SUBCOMMANDS, OneLineErrorParser
 from archo_tui.client.shell import complain, run
-from archo_tui.nearest import nearest
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -72,8 +72,8 @@ def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> i
     if given.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant, helps=helps)
     from archo_tui.console.attached import attached
-    from archo_tui.session import Session
-    from archo_tui.session_options import Options
+    from archo_tui.session.options import Options
+    from archo_tui.session.session import Session
 
     robot = Path(given.robot) if given.robot else None  # Behind wrong options it is a text.
     there = Options(engine="ros2", namespace=given.namespace or "/", attach=True, robot=robot)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from archo_tui.base.errors import ArchoError
 from archo_tui.client.protocol import GOOD, timeout_of
-from archo_tui.errors import ArchoError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

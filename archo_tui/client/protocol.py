@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 
+from archo_tui.base.surrogates import has_lone_surrogate
 from archo_tui.robot.stop.words import is_stop_text
-from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False  # `typing` takes longer to load than all that a client needs.
 if TYPE_CHECKING:

@@ -9,6 +9,9 @@ import select
 import signal
 import sys
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.safe_text import safe_lines
+from archo_tui.base.surrogates import has_lone_surrogate
 from archo_tui.client import find
 from archo_tui.client.connection import HELLO_TIMEOUT
 from archo_tui.client.errors import Unreached
@@ -23,10 +26,7 @@ from archo_tui.client.protocol import (
     is_stop,
     timeout_of,
 )
-from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
-from archo_tui.safe_text import safe_lines
-from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ def _print_without_console(
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
-    from archo_tui.nearest import nearest
+    from archo_tui.base.nearest import nearest
 
     return nearest(word.lower(), others)
 

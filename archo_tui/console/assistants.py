@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from archo_tui.base.safe_text import harmless, is_deceptive
 from archo_tui.client.protocol import timeout_of, words_of
 from archo_tui.robot.clients import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
@@ -12,7 +13,6 @@ from archo_tui.robot.messages.typed import typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.goal import values_text
 from archo_tui.robot_file.model import FormField
-from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json

@@ -18,7 +18,7 @@ from archo_tui.console.socket import Server
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.shutdown import nothing_published_while_suspended
+from archo_tui.station.shutdown import nothing_published_while_suspended
 from archo_tui.station.station import Station
 from archo_tui.text.state import elsewhere_text
 from archo_tui.verbs.verb import ROBOT_TIMEOUT

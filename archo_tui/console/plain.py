@@ -19,19 +19,19 @@ import sys
 from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING, Any
 
+from archo_tui.base.clock import Clock
+from archo_tui.base.errors import ArchoError
 from archo_tui.client.protocol import GOOD, YES_WORDS
-from archo_tui.clock import Clock
 from archo_tui.console.printing import Output, Printer
 from archo_tui.console.session import RequestHandler, Session
 from archo_tui.console.typing import Input, TypedLine
-from archo_tui.errors import ArchoError
 from archo_tui.robot.clients import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.shutdown import Shutdown
 from archo_tui.station.approvals import READING_TIME
+from archo_tui.station.shutdown import Shutdown
 from archo_tui.text import line_by_line
 from archo_tui.verbs.show import Status
 from archo_tui.verbs.topics import FOLLOW

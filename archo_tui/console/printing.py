@@ -10,15 +10,15 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from archo_tui.clock import time_of_day
+from archo_tui.base.clock import time_of_day
+from archo_tui.base.safe_text import safe
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
-from archo_tui.safe_text import safe
+from archo_tui.screen.terminal.ascii import ascii_only, in_ascii
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.approvals import LIFETIME
-from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.text import line_by_line
 from archo_tui.text.event import event_text, is_of_own_file
 from archo_tui.verbs.show import Status

@@ -13,10 +13,10 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NoReturn, Protocol
 
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.errors import ArchoError, in_one_line
 from archo_tui.client.protocol import GONE, RESTARTS, is_stop, timeout_of, words_of
 from archo_tui.console.assistants import Assistants
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.clients import ASSISTANT, YOU, Requester, on_behalf_of
 from archo_tui.robot.messages.text import as_json as message_as_json
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, Report, answer_of, data_of

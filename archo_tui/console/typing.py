@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.words import is_stop, shell_words
 

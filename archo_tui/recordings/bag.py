@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.recordings.store import METADATA
 from archo_tui.robot.messages.definitions import definition
 from archo_tui.robot.messages.types import name_of

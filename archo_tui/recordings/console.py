@@ -23,7 +23,8 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui import __version__
-from archo_tui.clock import LAST_STAMP, Monotonic, UnixTime
+from archo_tui.base.clock import LAST_STAMP, Monotonic, UnixTime
+from archo_tui.base.safe_text import harmless
 from archo_tui.recordings.bag import LazyMessage
 from archo_tui.recordings.recorder import BEGUN, BlackBox
 from archo_tui.recordings.store import KEPT
@@ -36,7 +37,6 @@ from archo_tui.robot.state.graph import LEVELS, Parameter
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot_file.load import dump
 from archo_tui.robot_file.model import GoalKind, RobotFile
-from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.view import View
 

@@ -13,8 +13,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from archo_tui.clock import Clock
-from archo_tui.errors import in_one_line
+from archo_tui.base.clock import Clock
+from archo_tui.base.errors import in_one_line
 from archo_tui.recordings import store
 from archo_tui.recordings.bag import BagWriter, LazyMessage, ReceivedMessage
 

@@ -16,9 +16,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from archo_tui.errors import ArchoError
-from archo_tui.paths import state_file
-from archo_tui.regular_files import read
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import state_file
+from archo_tui.base.regular_files import read
 
 METADATA = "metadata.yaml"
 BUDGET = 1_000_000_000  # Bytes of all recordings together.

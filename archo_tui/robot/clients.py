@@ -13,13 +13,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, NamedTuple
 
+from archo_tui.base.system import user_name
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.readings import Motion
-from archo_tui.ros_names import base_name
-from archo_tui.system import user_name
+from archo_tui.ros.names import base_name
 
 ASSISTANT = "assistant"  # The beginning of an assistant's source.
 

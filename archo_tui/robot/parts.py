@@ -9,7 +9,7 @@ from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.context import Context
 from std_msgs.msg import String
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.clients import author
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.goals.machine import FARTHEST

@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Collection, Iterable
 
-from archo_tui import engine
+from archo_tui.ros import engine
 
 engine.ensure()
 

@@ -14,7 +14,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 
 T = TypeVar("T")
 

@@ -11,8 +11,9 @@ from typing import Any
 from rclpy.context import Context
 from std_msgs.msg import String
 
-from archo_tui.clock import Clock
-from archo_tui.errors import in_one_line
+from archo_tui.base.clock import Clock
+from archo_tui.base.errors import in_one_line
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.clients import YOU, Requester, UnexplainedChanges, author, new_node_name
 from archo_tui.robot.node import ConsoleNode, MessageCallback
 from archo_tui.robot.outcome import Code
@@ -21,7 +22,6 @@ from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.safe_text import harmless
 
 MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thread is busy.
 PERIOD = 0.25  # Seconds between two snapshots while much happens: nobody reads faster.

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 from rclpy.qos import QoSProfile
 
-from archo_tui.clock import Clock
-from archo_tui.errors import in_one_line
+from archo_tui.base.clock import Clock
+from archo_tui.base.errors import in_one_line
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.graph.endpoints import fitting_qos, is_latched
 from archo_tui.robot.messages.period import LEAST_SILENCE, Period
 from archo_tui.robot.messages.types import field_paths, load_class
@@ -29,7 +30,6 @@ from archo_tui.robot.state.readings import (
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import DIAGNOSTICS, Gauge, RobotFile, fields_of
-from archo_tui.safe_text import harmless
 
 _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
 _SAMPLES = 300

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.nearest import nearest_hint
 
 
 def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:

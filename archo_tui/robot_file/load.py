@@ -17,12 +17,12 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import yaml
 
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
+from archo_tui.base.safe_text import harmless
+from archo_tui.base.yaml_text import bounded_yaml, core_schema
+from archo_tui.base.yaml_text import dump as yaml_dump
 from archo_tui.robot_file.model import Check, RobotFile
-from archo_tui.safe_text import harmless
-from archo_tui.yaml_text import bounded_yaml, core_schema
-from archo_tui.yaml_text import dump as yaml_dump
 
 _PACKAGE = Path(__file__).parent.parent
 

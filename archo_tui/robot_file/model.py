@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, TypeVar
 
 from archo_tui.robot_file.reserved import RESERVED
-from archo_tui.ros_names import is_name, parse_type
+from archo_tui.ros.names import is_name, parse_type
 
 NO_STOP = "has no STOP: use the hardware stop"  # Said of a robot whose file names no stop service.
 

@@ -19,6 +19,7 @@ from pathlib import Path
 from textwrap import indent
 from typing import Any, Literal, NamedTuple
 
+from archo_tui.base.yaml_text import dump as yaml_dump
 from archo_tui.robot_file.load import parse, plain
 from archo_tui.robot_file.model import (
     DIAGNOSTICS,
@@ -38,8 +39,7 @@ from archo_tui.robot_file.model import (
     TopicRule,
 )
 from archo_tui.robot_file.reserved import unused_word
-from archo_tui.ros_names import base_name, package_of
-from archo_tui.yaml_text import dump as yaml_dump
+from archo_tui.ros.names import base_name, package_of
 
 _LOW = 20.0  # Percent: below it the charge of a battery is called low; our choice.
 # Of sensor_msgs/msg/BatteryState: constants POWER_SUPPLY_STATUS_CHARGING and _DISCHARGING.

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.clock import Monotonic, UnixTime
+from archo_tui.base.clock import Monotonic, UnixTime
 from archo_tui.robot.goals.queue import Holding
 from archo_tui.robot.messages.period import LEAST_SILENCE, Pause
 from archo_tui.robot.state.snapshot import Snapshot

@@ -10,7 +10,8 @@ from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
+from archo_tui.base.yaml_text.dump import flow
 from archo_tui.robot.clients import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges
@@ -19,7 +20,6 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.stop.gate import NOT_SENT
-from archo_tui.yaml_text.dump import flow
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot

@@ -16,7 +16,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from archo_tui.clock import time_of_day
+from archo_tui.base.clock import time_of_day
 from archo_tui.robot.messages.period import LEAST_SILENCE, MessageRate
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import not_offered

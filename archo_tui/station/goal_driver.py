@@ -7,7 +7,7 @@ from collections.abc import Callable, Coroutine, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.clients import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import (
     Deed,

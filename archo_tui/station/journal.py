@@ -21,11 +21,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from archo_tui.paths import make_folder
-from archo_tui.regular_files import open_regular
+from archo_tui.base.paths import make_folder
+from archo_tui.base.regular_files import open_regular
+from archo_tui.base.system import lock, user_name
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.events import Event, LineCounter
-from archo_tui.system import lock, user_name
 
 # Once the file is larger, it is renamed to journal.jsonl.1, which replaces the older one.
 MAX_BYTES = 1_000_000

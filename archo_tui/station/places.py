@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
-from archo_tui.parameters.save_load import write_atomically
-from archo_tui.paths import make_folder
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
+from archo_tui.base.paths import make_folder
+from archo_tui.base.yaml_text import bounded_yaml
+from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot_file.load import plain, read_node
 from archo_tui.robot_file.model import GoalKind, Place, RobotFile, is_place_name
-from archo_tui.yaml_text import bounded_yaml
-from archo_tui.yaml_text.dump import block
+from archo_tui.station.save_load import write_atomically
 
 FILE = "places.yaml"  # In the folder of settings.
 

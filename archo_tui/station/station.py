@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.goal import Goal

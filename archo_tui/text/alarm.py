@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.clock import time_of_day
+from archo_tui.base.clock import time_of_day
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from archo_tui.robot.state.frames import Frame, Transforms, faults
 from archo_tui.robot.state.graph import TOPIC, Resource, TopicEnd, TopicInfo
-from archo_tui.ros_names import base_name
+from archo_tui.ros.names import base_name
 from archo_tui.station.view import View
 from archo_tui.text.state import OLD, PLAIN, WARN, Spans
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from archo_tui.clock import time_of_day
+from archo_tui.base.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.goal import NO_ESTIMATE, goal_line, remaining_text

@@ -10,10 +10,10 @@ import math
 import re
 from itertools import groupby
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.state.readings import GaugeReading
 from archo_tui.robot.state.snapshot import Latch, Snapshot, StopAnswer
-from archo_tui.safe_text import harmless
 from archo_tui.station.conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.

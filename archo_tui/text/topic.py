@@ -8,9 +8,9 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Any, Protocol
 
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.topics.rows import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
-from archo_tui.ros_names import base_name
-from archo_tui.safe_text import harmless
+from archo_tui.ros.names import base_name
 from archo_tui.text.columns import GAP, QUIET, Columns, Text, column, crop, fit_columns, in_columns
 from archo_tui.text.plot import plot_lines
 from archo_tui.text.state import (

@@ -17,8 +17,8 @@ import rclpy
 from rclpy.node import Node
 
 import archo_tui
-from archo_tui.errors import UserFileError, first_line, quoted_line
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.errors import UserFileError, first_line, quoted_line
+from archo_tui.base.nearest import nearest_hint
 from archo_tui.user_code.source import Source
 
 # Errors that rclpy raises without a text, and what they mean.

@@ -22,8 +22,8 @@ import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
-from archo_tui import regular_files
-from archo_tui.errors import ArchoError
+from archo_tui.base import regular_files
+from archo_tui.base.errors import ArchoError
 from archo_tui.user_code.errors import (
     NodeFileError,
     OwnCode,

@@ -13,10 +13,10 @@ from typing import Any
 
 from rclpy.context import Context
 
-from archo_tui.errors import UserFileError, in_one_line
+from archo_tui.base.errors import UserFileError, in_one_line
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Hosted, Life
-from archo_tui.ros_names import base_name
+from archo_tui.ros.names import base_name
 from archo_tui.user_code.errors import NodeFileError
 from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.hosted import KILL_TIMEOUT

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from archo_tui import embedded, engine
-from archo_tui.embedded.idl import is_package_name
-from archo_tui.embedded.import_hook import NEEDED, has_interfaces
-from archo_tui.errors import ArchoError
-from archo_tui.ros_names import KINDS
+from archo_tui.base.errors import ArchoError
+from archo_tui.ros import embedded, engine
+from archo_tui.ros.embedded.idl import is_package_name
+from archo_tui.ros.embedded.import_hook import NEEDED, has_interfaces
+from archo_tui.ros.names import KINDS
 from archo_tui.user_code.watch import Stamps, stamps
 
 
@@ -61,7 +61,7 @@ def _folders(folder: Path) -> list[Path]:
 
 def _name_of(place: Path) -> str:
     """Return the name of an interface package, which its messages can have; raise ArchoError."""
-    from archo_tui.launch.workspace import read_package
+    from archo_tui.user_code.ros_launch.workspace import read_package
 
     name, file = read_package(place).name, place / "package.xml"
     if not is_package_name(name):

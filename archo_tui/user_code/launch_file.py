@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from archo_tui.errors import ArchoError
-from archo_tui.launch.evaluate import evaluate
-from archo_tui.launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
-from archo_tui.launch.workspace import Workspace
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.state.events import LAUNCH
+from archo_tui.user_code.ros_launch.evaluate import evaluate
+from archo_tui.user_code.ros_launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
+from archo_tui.user_code.ros_launch.workspace import Workspace
 from archo_tui.user_code.watch import Stamps, stamps
 
 if TYPE_CHECKING:

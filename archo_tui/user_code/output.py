@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TextIO
 
-from archo_tui.safe_text import safe
+from archo_tui.base.safe_text import safe
 
 _PERIOD = 1.0  # Seconds in which each node may print _MAX_LINES lines.
 _MAX_LINES = 50

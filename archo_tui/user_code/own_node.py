@@ -11,7 +11,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 import archo_tui
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.robot.messages.types import kinds
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import outcome_of

@@ -15,7 +15,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.robot.messages.types import name_of
 from archo_tui.user_code.errors import OwnCode, code_of
 from archo_tui.user_code.file import ProgramFile

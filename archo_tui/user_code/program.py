@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from signal import Signals
 from typing import Any, NamedTuple
 
-from archo_tui.errors import UserFileError, in_one_line
+from archo_tui.base.errors import UserFileError, in_one_line
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.hosted import HostedThread

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 
 PERIOD = 0.25  # Seconds between two comparisons.
 # When each file was saved, as Unix time in nanoseconds, and its size in bytes.

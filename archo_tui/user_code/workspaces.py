@@ -14,10 +14,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 
 if TYPE_CHECKING:
-    from archo_tui.launch.workspace import Workspace
+    from archo_tui.user_code.ros_launch.workspace import Workspace
 
 _INDEX = "ament_index_python"
 
@@ -34,7 +34,7 @@ def find_nodes(given: Iterable[Path | str]) -> tuple[list[str], list[Workspace]]
         if not Path(item).is_dir():
             names.append(str(item))
             continue
-        from archo_tui.launch.workspace import Workspace
+        from archo_tui.user_code.ros_launch.workspace import Workspace
 
         workspace = Workspace.below(Path(item))
         workspaces.append(workspace)
@@ -57,7 +57,7 @@ def package_shares(workspaces: Sequence[Workspace]) -> Iterator[None]:
     if not workspaces or importlib.util.find_spec(_INDEX) is not None:
         yield
         return
-    from archo_tui.launch.stand_ins.packages import AmentIndex
+    from archo_tui.user_code.ros_launch.stand_ins.packages import AmentIndex
 
     with tempfile.TemporaryDirectory(prefix="archo-shares-") as prefix:
         module = ModuleType(_INDEX)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState
 from archo_tui.station.conditions import Priority

@@ -6,7 +6,7 @@ import math
 from collections.abc import Awaitable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from archo_tui.daemon_threads import in_daemon
+from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import (
     check_ranges,
@@ -27,7 +27,7 @@ from archo_tui.robot_file.model import (
     RobotFile,
     is_place_name,
 )
-from archo_tui.ros_names import base_name
+from archo_tui.ros.names import base_name
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station

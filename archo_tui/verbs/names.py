@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.nearest import nearest_hint
 from archo_tui.robot.messages.typed import mapping, parse_all, texts_by_path
 from archo_tui.robot.state.graph import TOPIC, Resource, in_namespace
 from archo_tui.robot.state.snapshot import Snapshot

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import ACTION, LEVELS, SERVICE, NodeState
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.ros_names import base_name
+from archo_tui.ros.names import base_name
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.text.nodes import node_rows

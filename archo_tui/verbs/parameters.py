@@ -8,11 +8,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
-from archo_tui.parameters import save_load
-from archo_tui.paths import typed_path
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
+from archo_tui.base.paths import typed_path
+from archo_tui.base.safe_text import safe
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.values import text_of
@@ -20,7 +20,7 @@ from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import NOT_REPORTED, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.safe_text import safe
+from archo_tui.station import save_load
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json
 from archo_tui.verbs.names import find_node, full_name

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from archo_tui.daemon_threads import in_daemon
+from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.goal import values_text

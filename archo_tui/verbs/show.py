@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from archo_tui.clock import time_of_day
-from archo_tui.errors import ArchoError
+from archo_tui.base.clock import time_of_day
+from archo_tui.base.errors import ArchoError
 from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER, SPAN
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.readings import FORGET_AFTER, Diagnostic

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
 from archo_tui.robot.messages.definitions import definition_text, names_in
 from archo_tui.robot.messages.text import as_data, as_text
 from archo_tui.robot.messages.types import load_class
@@ -18,7 +18,7 @@ from archo_tui.robot.state.frames import faults
 from archo_tui.robot.state.graph import TopicInfo
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.propose import Sighting, propose, text_of
-from archo_tui.ros_names import KINDS, base_name, is_name, package_of, parse_type
+from archo_tui.ros.names import KINDS, base_name, is_name, package_of, parse_type
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.text.graph import SILENT, resource_rows, transform_lines

@@ -10,8 +10,8 @@ from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping, Se
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING, Code, Outcome

@@ -17,8 +17,8 @@ from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
 from archo_tui import cli
-from archo_tui.errors import ArchoError
-from archo_tui.paths import state_file
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.recorder import BlackBox
 from archo_tui.recordings.replay.bag import BagFile

@@ -22,11 +22,11 @@ from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
-from archo_tui.paths import state_file
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.store import Recording
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock, warm
 from tests.support.bags import add, received, write
 from tests.support.console import FAST, LONG, console
@@ -222,7 +222,7 @@ def test_two_of_one_second_have_names_of_their_own(tmp_path: Path) -> None:
 
 _WRITES = """
 import sys, pathlib
-from archo_tui import engine
+from archo_tui.ros import engine
 engine.activate("embedded")
 from archo_interfaces.msg import BatteryStatus
 from tests.support.bags import add, received, write

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from archo_tui.paths import state_file
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import store
 from tests.support.night import corners
 from tests.support.terminal import Terminal

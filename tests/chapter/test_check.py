@@ -76,7 +76,7 @@ def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         return Executor._is_idle(executor) and not (waiting and has_free_thread)
 
     monkeypatch.setattr(MultiThreadedExecutor, "_is_idle", is_idle)
-    monkeypatch.setattr("archo_tui.session.Clock", lambda: virtual)
+    monkeypatch.setattr("archo_tui.session.session.Clock", lambda: virtual)
     yield
     over.set()
     for condition in list(sleeping):

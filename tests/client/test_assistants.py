@@ -15,12 +15,12 @@ from typing import Any
 import pytest
 from textual import events
 
-from archo_tui.commands import request
+from archo_tui.base.paths import journal_file
 from archo_tui.console.printing import Output
 from archo_tui.console.typing import Input
-from archo_tui.keyed_app import HELD
-from archo_tui.paths import journal_file
-from archo_tui.session import _robots_nodes
+from archo_tui.screen.commands import request
+from archo_tui.screen.keyed_app import HELD
+from archo_tui.session.session import _robots_nodes
 from archo_tui.station import approvals
 from archo_tui.station.station import Station
 from archo_tui.verbs.goals import Go
@@ -375,7 +375,8 @@ async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("archo_tui.keyed_app.HELD", DEADLINE)  # on a busy machine, too, it is soon
+    # On a busy machine, too, it is soon.
+    monkeypatch.setattr("archo_tui.screen.keyed_app.HELD", DEADLINE)
     async with beside(*LONG) as (op, assistant):
         await op.press("g", "7")
         await asks(assistant)

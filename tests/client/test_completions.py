@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui.base.paths import state_file
 from archo_tui.cli.completion import fitting
 from archo_tui.console import session
-from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
 from tests.client.test_which_console import listening
 from tests.support import clock

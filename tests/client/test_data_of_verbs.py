@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.paths import state_file
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
 from archo_tui.verbs.show import ShowHistory

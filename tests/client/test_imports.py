@@ -10,8 +10,9 @@ import pytest
 
 # The console's own rules that a client shares; none of them imports a library.
 OURS = (
-    *("archo_tui", "archo_tui.client", "archo_tui.errors", "archo_tui.nearest"),
-    *("archo_tui.safe_text", "archo_tui.surrogates", "archo_tui.robot_file"),
+    *("archo_tui", "archo_tui.client", "archo_tui.base", "archo_tui.base.errors"),
+    *("archo_tui.base.nearest",),
+    *("archo_tui.base.safe_text", "archo_tui.base.surrogates", "archo_tui.robot_file"),
     *("archo_tui.robot_file.reserved", "archo_tui.robot", "archo_tui.robot.stop"),
     "archo_tui.robot.stop.words",
 )

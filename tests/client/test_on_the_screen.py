@@ -9,9 +9,9 @@ import threading
 
 import pytest
 
+from archo_tui.base.paths import journal_file
 from archo_tui.client import sockets
-from archo_tui.keyed_app import HELD
-from archo_tui.paths import journal_file
+from archo_tui.screen.keyed_app import HELD
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.shells import Said, own_socket, raw, said, typed

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
+from archo_tui.base.errors import ArchoError
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
-from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
 from tests.support.shells import Graph, heard, raw, said, served, typed
 from tests.support.waiting import DEADLINE

@@ -21,13 +21,13 @@ from rclpy.node import Node
 
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
+from archo_tui.base.errors import ArchoError
 from archo_tui.client import connection, sockets
 from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
 from archo_tui.console.session import RequestHandler
-from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG

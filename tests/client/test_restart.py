@@ -7,9 +7,9 @@ import os
 
 import pytest
 
-from archo_tui.handover import Handover
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.base.handover import Handover
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.console import FAST, LONG, console
 from tests.support.shells import Raw, heard, raw, reached, served, until

@@ -174,7 +174,7 @@ def test_a_misspelt_option_loses_no_stop_where_no_console_runs(
     asked: list[Any] = []
     monkeypatch.setattr("archo_tui.console.attached.attached", Graph(asked))
     monkeypatch.setattr(
-        "archo_tui.session.Session", lambda options: SimpleNamespace(options=options)
+        "archo_tui.session.session.Session", lambda options: SimpleNamespace(options=options)
     )
     assert main(line.split()) == 0
     assert asked[0].engine == "ros2"

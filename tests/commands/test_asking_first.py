@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from archo_tui.commands.base import asking_first
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
+from archo_tui.screen.commands.base import asking_first
 from archo_tui.verbs.verb import GOAL_ENDED, Question
 from tests.support.console import screen_text
 from tests.support.states import NORMAL, goal

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import config_file
 from archo_tui.cli import main
-from archo_tui.commands import keymap, registry
-from archo_tui.commands.base import Command, readable_key
-from archo_tui.errors import ArchoError
-from archo_tui.paths import config_file
+from archo_tui.screen.commands import keymap, registry
+from archo_tui.screen.commands.base import Command, readable_key
 from tests.support.archo import ARCHO
 from tests.support.states import NORMAL
 from tests.support.stub import stub_app
@@ -133,7 +133,7 @@ def test_a_new_key_yields_to_a_robot_files_and_a_keymaps(
     file.parent.mkdir(parents=True)
     file.write_text(text)
     assert keymap.load_keymap(file, commands)[0]["replay"] == key
-    monkeypatch.setattr("archo_tui.commands.registry", lambda _: commands)
+    monkeypatch.setattr("archo_tui.screen.commands.registry", lambda _: commands)
     assert main(["keys"]) == 0
     line = next(line for line in capsys.readouterr().out.splitlines() if "replay:" in line)
     if key:

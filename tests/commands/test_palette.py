@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.palette import palette_choices
-from archo_tui.keyed_app import HELD
-from archo_tui.screens.choose import ChoiceRows, Fit, fit, matching
-from archo_tui.terminal.stop_marks import dispatch
+from archo_tui.screen.choose import ChoiceRows, Fit, fit, matching
+from archo_tui.screen.commands.palette import palette_choices
+from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console, key_event
 

@@ -10,12 +10,13 @@ import pytest
 from textual.binding import Binding
 from textual.widgets import Button, Input
 
-from archo_tui import commands, screens
-from archo_tui.app import ArchoApp
-from archo_tui.commands import registry
-from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
-from archo_tui.screens.main import PANELS
-from archo_tui.widgets.field import INTEGER
+from archo_tui import screen
+from archo_tui.screen import commands
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.commands import registry
+from archo_tui.screen.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
+from archo_tui.screen.main import PANELS
+from archo_tui.screen.widgets.field import INTEGER
 from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.quiet import Quiet
@@ -95,9 +96,9 @@ def test_every_key_stands_in_the_table_once() -> None:
         assert command.key not in there
         if command.key:
             there[command.key] = command.id
-    rooms = {"screens": screens.__path__, "commands": commands.__path__}
+    rooms = {"screen": screen.__path__, "screen.commands": commands.__path__}
     files = [f"{room}.{one.name}" for room, path in rooms.items() for one in iter_modules(path)]
-    for name in ("keyed_app", *files):
+    for name in files:
         module = import_module(f"archo_tui.{name}")
         for thing in vars(module).values():
             if isinstance(thing, type) and thing.__module__ == module.__name__:

@@ -13,7 +13,7 @@ from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from archo_tui.robot.stop.machine import OBEYED
 from archo_tui.robot.stop.sender import FIRST_FOUND
 from tests.support.clock import seconds

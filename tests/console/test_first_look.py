@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from textual.app import App
 
-from archo_tui.widgets.bars import header
+from archo_tui.screen.widgets.bars import header
 from tests.support.console import FAST, click, console, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES

@@ -10,7 +10,7 @@ import pytest
 from textual import events
 from textual.widgets import Input
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, console

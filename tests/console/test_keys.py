@@ -12,10 +12,10 @@ from std_srvs.srv import Trigger
 from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
-from archo_tui.commands.base import PanelKey
-from archo_tui.paths import config_file
-from archo_tui.terminal import themes
-from archo_tui.terminal.stop_marks import dispatch
+from archo_tui.base.paths import config_file
+from archo_tui.screen.commands.base import PanelKey
+from archo_tui.screen.terminal import themes
+from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console, key_event
 from tests.support.night import corners

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.keyed_app import HELD
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screen.keyed_app import HELD
 from tests.support.console import key_event, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES

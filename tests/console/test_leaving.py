@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.app import ArchoApp
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screen.app import ArchoApp
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES

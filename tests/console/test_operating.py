@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.keyed_app import HELD
-from archo_tui.session import _robots_nodes
-from archo_tui.widgets.battery_panel import BatteryPanel
+from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.widgets.battery_panel import BatteryPanel
+from archo_tui.session.session import _robots_nodes
 from tests.support.clock import seconds, stuck
 from tests.support.console import FAST, LONG, console
 from tests.support.night import corners

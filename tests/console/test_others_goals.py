@@ -21,7 +21,7 @@ from std_msgs.msg import String
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.goal import Goal, Phase
-from archo_tui.session import _robots_nodes
+from archo_tui.session.session import _robots_nodes
 from tests.support.archo import go, reset
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, Console, console

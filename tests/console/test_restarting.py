@@ -10,14 +10,14 @@ from typing import Any
 
 import pytest
 
-from archo_tui import handover
-from archo_tui.app import ArchoApp
-from archo_tui.handover import Handover
+from archo_tui.base import handover
+from archo_tui.base.handover import Handover
 from archo_tui.robot.clients import Requester
 from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
-from archo_tui.session import Session
-from archo_tui.session_options import Options
-from archo_tui.shutdown import RESTART
+from archo_tui.screen.app import ArchoApp
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
+from archo_tui.station.shutdown import RESTART
 from tests.support import chosen, clock
 from tests.support.console import AT_ONCE, FAST, console, screen_text, send
 from tests.support.quiet import Quiet, until

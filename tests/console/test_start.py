@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.widgets.field import Field
+from archo_tui.screen.widgets.field import Field
 from tests.support.console import FAST, LONG, console, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL

@@ -11,9 +11,9 @@ from archo_interfaces.msg import MotorStatus
 from textual.widgets import Button
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.session import _robots_nodes
-from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.stop_marks import dispatch, mark_stops, marks_of
+from archo_tui.screen.terminal.keyboard import Keyboard
+from archo_tui.screen.terminal.stop_marks import dispatch, mark_stops, marks_of
+from archo_tui.session.session import _robots_nodes
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console, key_event

@@ -12,12 +12,12 @@ from textual.errors import NoWidget
 from textual.geometry import Size
 from textual.widgets import Input
 
-from archo_tui.commands.alarms import AlarmList
-from archo_tui.commands.help import Help
-from archo_tui.commands.palette import CommandPalette
-from archo_tui.screens.choose import ChoiceRows
-from archo_tui.screens.main import MainScreen
-from archo_tui.widgets.bars import NoticeLine
+from archo_tui.screen.choose import ChoiceRows
+from archo_tui.screen.commands.alarms import AlarmList
+from archo_tui.screen.commands.help import Help
+from archo_tui.screen.commands.palette import CommandPalette
+from archo_tui.screen.main import MainScreen
+from archo_tui.screen.widgets.bars import NoticeLine
 from tests.support.console import FAST, Console, click, console
 
 

@@ -16,8 +16,8 @@ import pytest
 from archo_bringup.battery_monitor import BatteryMonitor
 from archo_bringup.motor_controller import MotorController
 
-from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.stop_marks import dispatch
+from archo_tui.screen.terminal.keyboard import Keyboard
+from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG, Console, console

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui import ros_release
+from archo_tui.ros import release as ros_release
 from tests.contract.releases import DIFFERENCES
 from tests.support import chosen
 

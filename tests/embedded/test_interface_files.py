@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.embedded.idl import FieldType, InterfaceError, parse
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
+from archo_tui.ros.embedded.idl import FieldType, InterfaceError, parse
 from archo_tui.user_code import interfaces as own_interfaces
 
 # What rosidl_adapter 4.9.5 (Kilted) makes of lines of .msg files, asked line by line: a constant is
@@ -108,7 +108,7 @@ def test_a_package_that_cannot_be_used_is_one_line(tmp_path: Path, what: str) ->
 
 
 CODE = """
-from archo_tui import engine
+from archo_tui.ros import engine
 from pathlib import Path
 import sys
 engine.activate("embedded", own={"own": Path(sys.argv[1])})

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 CODE = """
-from archo_tui import engine
+from archo_tui.ros import engine
 engine.activate("embedded")
 from guest_interfaces.msg import Reading
 print(Reading(value=3).value, Reading.get_fields_and_field_types())
@@ -57,7 +57,7 @@ def test_a_package_that_is_partial_in_one_place_is_completed_by_another(tmp_path
 def test_a_byte_has_the_default_that_its_file_gives(tmp_path: Path) -> None:
     text = "byte flag 7\nint32 value\n"
     assert ask(package(tmp_path / "install", text)).stdout.startswith("3 {'flag': 'octet'")
-    code = "from archo_tui import engine\nengine.activate('embedded')\n"
+    code = "from archo_tui.ros import engine\nengine.activate('embedded')\n"
     code += "from guest_interfaces.msg import Reading\nprint(Reading(), Reading() == Reading())"
     environ = os.environ | {"AMENT_PREFIX_PATH": str(tmp_path / "install")}
     done = subprocess.run(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import archo_tui
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.user_code import interfaces as own_interfaces
 from tests.support import chosen
 from tests.support.script import Script

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from tests.end_to_end.conftest import COMMAND, Sshd, Tmux
 from tests.support.waiting import wait_until
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.launch.workspace import Workspace
+from archo_tui.user_code.ros_launch.workspace import Workspace
 from tests.launch.planning import WORKSPACE, Launcher
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from archo_tui.launch import child_process, evaluation
-from archo_tui.launch.evaluate import evaluate, parse_arguments
-from archo_tui.launch.plan import LaunchedProgram, LaunchPlan
-from archo_tui.launch.workspace import Workspace
+from archo_tui.user_code.ros_launch import child_process, evaluation
+from archo_tui.user_code.ros_launch.evaluate import evaluate, parse_arguments
+from archo_tui.user_code.ros_launch.plan import LaunchedProgram, LaunchPlan
+from archo_tui.user_code.ros_launch.workspace import Workspace
 
 WORKSPACE = Path(__file__).parent.parent / "share" / "workspace"
 _IMPORTS = """\

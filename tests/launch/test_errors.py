@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import ros_release
-from archo_tui.errors import ArchoError
-from archo_tui.launch.evaluate import LaunchFileError, evaluate, parse_arguments
-from archo_tui.launch.workspace import Workspace
+from archo_tui.base.errors import ArchoError
+from archo_tui.ros import release as ros_release
+from archo_tui.user_code.ros_launch.evaluate import LaunchFileError, evaluate, parse_arguments
+from archo_tui.user_code.ros_launch.workspace import Workspace
 from tests.launch.planning import WORKSPACE, Launcher, in_this_process
 from tests.support.waiting import DEADLINE
 

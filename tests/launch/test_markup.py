@@ -6,8 +6,8 @@ from html import escape
 
 import pytest
 
-from archo_tui.launch.evaluate import LaunchFileError
-from archo_tui.launch.plan import LaunchPlan
+from archo_tui.user_code.ros_launch.evaluate import LaunchFileError
+from archo_tui.user_code.ros_launch.plan import LaunchPlan
 from tests.launch.planning import Launcher
 
 XML = """<launch>

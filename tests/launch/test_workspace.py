@@ -9,11 +9,11 @@ from unittest.mock import patch
 
 import pytest
 
-from archo_tui.errors import ArchoError
-from archo_tui.launch import child_process, setup_script
-from archo_tui.launch import workspace as rooms
-from archo_tui.launch.setup_script import run_setup
-from archo_tui.launch.workspace import EntryPoint, Package, Workspace, read_package
+from archo_tui.base.errors import ArchoError
+from archo_tui.user_code.ros_launch import child_process, setup_script
+from archo_tui.user_code.ros_launch import workspace as rooms
+from archo_tui.user_code.ros_launch.setup_script import run_setup
+from archo_tui.user_code.ros_launch.workspace import EntryPoint, Package, Workspace, read_package
 from tests.launch.planning import WORKSPACE
 
 pytestmark = pytest.mark.posix  # Links, and / in paths.

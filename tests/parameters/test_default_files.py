@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.parameters.files import default_files
+from archo_tui.station.parameter_files import default_files
 from tests.support.plain import operated
 
 MOTOR = """

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.embedded.parameter_files import read
-from archo_tui.parameters import files
+from archo_tui.ros.embedded.parameter_files import read
+from archo_tui.station import parameter_files
 from tests.support.console import console
 
 TEXT = """\
@@ -27,7 +27,7 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
     file = tmp_path / "shared.yaml"
     file.write_text(TEXT)
     declared = {"/motor_controller": {"max_speed", "wheel_radius"}, "/dashboard": set[str]()}
-    assert files.unknown_lines(read(file), declared) == [
+    assert parameter_files.unknown_lines(read(file), declared) == [
         f"{file}:3: no node /motor_controler here (nearest: /motor_controller)",
         f"{file}:6: /motor_controller has no parameter max_sped (nearest: max_speed)",
     ]
@@ -45,7 +45,7 @@ def test_what_is_typed_for_every_node_is_known_to_one_at_least() -> None:
         "--param",
         "motor_controller:max_sped:=2",
     ]
-    assert files.unknown_lines(files.parse_typed(words), declared) == [
+    assert parameter_files.unknown_lines(parameter_files.parse_typed(words), declared) == [
         "-p max_sped:=1: no node has a parameter max_sped (nearest: max_speed)",
         "-p motor_controller:max_sped:=2: /motor_controller has no parameter max_sped "
         "(nearest: max_speed)",
@@ -62,7 +62,7 @@ def test_a_file_of_a_whole_stack_is_one_line(tmp_path: Path) -> None:
     names = ("amcl", "bt_navigator", "controller_server", "map_server", "planner_server")
     parameters = "".join(f"    p{number}: 1\n" for number in range(80))
     file.write_text("".join(f"{name}:\n  ros__parameters:\n{parameters}" for name in names))
-    assert files.unknown_lines(read(file), {"/motor_controller": {"max_speed"}}) == [
+    assert parameter_files.unknown_lines(read(file), {"/motor_controller": {"max_speed"}}) == [
         f"{file}: 5 of its nodes are not here: /amcl, /bt_navigator, /controller_server ..."
     ]
 
@@ -87,7 +87,7 @@ async def test_a_later_file_wins(tmp_path: Path) -> None:
 
 
 def test_the_projects_own_files_are_in_ros_form() -> None:
-    own = files.load_files(files.default_files())
+    own = parameter_files.load_files(parameter_files.default_files())
     assert {(o.pattern, o.name) for o in own} >= {
         ("motor_controller", "max_speed"),
         ("motor_controller", "wheel_radius"),

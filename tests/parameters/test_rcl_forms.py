@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-from archo_tui.embedded.parameter_files import matches, read
-from archo_tui.yaml_text.bounded_yaml import YamlError
+from archo_tui.base.yaml_text.bounded_yaml import YamlError
+from archo_tui.ros.embedded.parameter_files import matches, read
 
 SHARE = Path(__file__).parent.parent / "share"
 ANSWERS = json.loads((SHARE / "parameter_files_jazzy.json").read_text())

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.embedded.parameter_files import read
-from archo_tui.errors import ArchoError
-from archo_tui.parameters import save_load
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.state.graph import Parameter
+from archo_tui.ros.embedded.parameter_files import read
+from archo_tui.station import save_load
 from tests.parameters import hostile
 from tests.support.states import PARAMETERS
 

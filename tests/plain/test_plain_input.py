@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.console.typing import MAX_LINE, MAX_LINES, TOO_LONG, Input, LineSplitter, TypedLine
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.words import is_stop

@@ -13,11 +13,11 @@ import pytest
 from archo_interfaces.msg import BatteryStatus
 from rclpy.node import Node
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.session import _robots_nodes
+from archo_tui.session.session import _robots_nodes
 from tests.robot.test_several_servers import Brake
 from tests.robots.cart import Cart
 from tests.support import clock

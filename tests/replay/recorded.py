@@ -8,16 +8,16 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from archo_tui.app import ArchoApp
-from archo_tui.commands.replay import TimeLine
-from archo_tui.paths import state_file
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.recordings.replay.player import Player, load_robot_file
 from archo_tui.recordings.replay.station import RecordedStation
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.commands.replay import TimeLine
+from archo_tui.screen.widgets.line import Line
+from archo_tui.screen.widgets.panel import Panel
+from archo_tui.screen.widgets.rows import Rows
 from tests.support import clock
 from tests.support.console import Console, screen_text, send
 from tests.support.quiet import Quiet, outside

@@ -19,14 +19,14 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 from std_msgs.msg import String
 
-from archo_tui import embedded
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.recordings import store
 from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.messages.definitions import definition
 from archo_tui.robot.messages.types import load_class, name_of
+from archo_tui.ros import embedded
 from tests.replay.bags import (
     START,
     channel,

@@ -15,7 +15,7 @@ import lz4.frame  # type: ignore[import-untyped]
 import pytest
 import zstandard
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.bag import BagFile
 from tests.replay.bags import (
@@ -181,7 +181,7 @@ def test_bombs_are_opened_in_little_memory_of_the_process_too(tmp_path: Path) ->
     path = logs(tmp_path / "a.mcap", GOOD, *bombs, GOOD)
     script = (
         "import resource, sys; from pathlib import Path\n"
-        "from archo_tui import engine; engine.ensure()\n"
+        "from archo_tui.ros import engine; engine.ensure()\n"
         "from archo_tui.recordings.replay.bag import BagFile\n"
         "import zstandard, lz4.frame, mcap.records, rclpy.serialization\n"
         "held = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.handover import CONSOLE_SOCKET, STOP
-from archo_tui.keyed_app import HELD
-from archo_tui.paths import state_file
+from archo_tui.base.handover import CONSOLE_SOCKET, STOP
+from archo_tui.base.paths import state_file
 from archo_tui.recordings.replay.station import ConsoleStops
+from archo_tui.screen.keyed_app import HELD
 from tests.support import chosen
 from tests.support.console import LONG
 from tests.support.terminal import Terminal

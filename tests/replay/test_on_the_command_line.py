@@ -11,8 +11,8 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui import cli
-from archo_tui.clock import time_of_day
-from archo_tui.paths import state_file
+from archo_tui.base.clock import time_of_day
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay.bag import BagFile
@@ -195,7 +195,7 @@ def test_a_robot_file_in_it_that_is_wrong_is_one_line(
 
 FAILS = """
 from archo_tui.cli import main
-from archo_tui.screens.main import MainScreen
+from archo_tui.screen.main import MainScreen
 def fail(*_):
     raise ZeroDivisionError("of the screen")
 MainScreen.show = fail

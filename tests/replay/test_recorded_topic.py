@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from std_msgs.msg import Float32, UInt8MultiArray
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.recordings.replay.player import Player

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from textual.widgets import Button
 
-from archo_tui.commands import registry
-from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.palette import palette_choices
-from archo_tui.commands.replay import TimeLine
-from archo_tui.widgets.field import Field
+from archo_tui.screen.commands import registry
+from archo_tui.screen.commands.base import NOT_TYPING
+from archo_tui.screen.commands.palette import palette_choices
+from archo_tui.screen.commands.replay import TimeLine
+from archo_tui.screen.widgets.field import Field
 from tests.replay.recorded import Watcher, replay
 from tests.support.archo import ARCHO
 from tests.support.console import click

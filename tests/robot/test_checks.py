@@ -13,10 +13,10 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, String
 
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.screen.widgets.bars import header
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.text.state import age_text, battery_line, battery_word, motion_word, plain_text
-from archo_tui.widgets.bars import header
 from tests.support import chosen, clock
 from tests.support.alarms import conditions
 from tests.support.archo import go

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import pytest
 from rich.cells import cell_len
 
+from archo_tui.base.safe_text import harmless, safe, safe_in_place
 from archo_tui.robot.state.events import LEFT_OUT, Event, EventLog
-from archo_tui.safe_text import harmless, safe, safe_in_place
 
 pytestmark = pytest.mark.pure
 

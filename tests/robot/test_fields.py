@@ -16,11 +16,11 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float32, Int8
 from unique_identifier_msgs.msg import UUID
 
+from archo_tui.base.yaml_text import bounded_yaml
+from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import checked, filled, put
 from archo_tui.robot.outcome import Code
-from archo_tui.yaml_text import bounded_yaml
-from archo_tui.yaml_text.dump import block
 from tests.support import chosen
 from tests.support.night import corners
 from tests.support.quiet import ended

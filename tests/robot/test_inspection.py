@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import String, UInt8MultiArray
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import as_text
 from archo_tui.robot.node import ConsoleNode

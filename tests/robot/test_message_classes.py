@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.messages.types import load_class
-from archo_tui.session import _robots_nodes
+from archo_tui.session.session import _robots_nodes
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 

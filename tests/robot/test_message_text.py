@@ -12,7 +12,7 @@ import yaml
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from std_msgs.msg import Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.messages import text
 from archo_tui.robot.messages.text import as_data, as_text
 

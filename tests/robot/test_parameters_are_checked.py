@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.parameters.save_load import plan_load
 from archo_tui.robot.graph.parameter_values import fit
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.graph import Parameter
+from archo_tui.station.save_load import plan_load
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 

@@ -10,7 +10,7 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
-from archo_tui.paths import journal_file, state_file
+from archo_tui.base.paths import journal_file, state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.graph.parameter_values import is_secret
 from tests.support.shells import heard, raw, served, typed

@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.night import corners
 

@@ -14,9 +14,9 @@ pytest.importorskip("depot_interfaces")
 from rclpy.node import Node
 from textual.widgets import TextArea
 
+from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.messages.types import load_class as load_interface
-from archo_tui.screens.message_form import MessageForm
-from archo_tui.yaml_text.dump import block
+from archo_tui.screen.message_form import MessageForm
 from tests.robots.rover import Counting
 from tests.support.console import Console, console
 from tests.support.robot import making

@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from archo_tui.commands import registry
+from archo_tui.base.errors import ArchoError
 from archo_tui.console.plain import help_text
-from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.values import read
 from archo_tui.robot_file.load import default_path, dump, load
 from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile
+from archo_tui.screen.commands import registry
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 

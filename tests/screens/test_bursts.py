@@ -19,18 +19,18 @@ import pytest
 from textual import events, widgets
 from textual.message import Message
 
-from archo_tui.app import ArchoApp
-from archo_tui.keyed_app import HELD
-from archo_tui.parameters import save_load
 from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.screens.dialog import Dialog
-from archo_tui.terminal.stop_marks import dispatch
-from archo_tui.widgets.field import Field
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.dialog import Dialog
+from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.terminal.stop_marks import dispatch
+from archo_tui.screen.widgets.field import Field
+from archo_tui.screen.widgets.panel import Panel
+from archo_tui.screen.widgets.rows import Rows
+from archo_tui.station import save_load
 from tests.support.clock import NOW
 from tests.support.console import key_event
 from tests.support.quiet import Quiet

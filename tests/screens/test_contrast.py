@@ -10,8 +10,8 @@ from textual.color import Color
 from textual.strip import Strip
 from textual.theme import BUILTIN_THEMES
 
-from archo_tui.app import ArchoApp
-from archo_tui.terminal.themes import HIGH_CONTRAST, contrast, derive_tones
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.terminal.themes import HIGH_CONTRAST, contrast, derive_tones
 from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES

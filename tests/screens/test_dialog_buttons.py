@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from textual.color import Color
 
-from archo_tui.app import ArchoApp
-from archo_tui.widgets.field import Button
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.widgets.field import Button
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES

@@ -10,7 +10,7 @@ from rich.color import Color, ColorSystem
 from rich.style import Style
 from textual.app import App
 
-from archo_tui.terminal.themes import contrast
+from archo_tui.screen.terminal.themes import contrast
 from tests.screens.test_contrast import THEMES, colours
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet

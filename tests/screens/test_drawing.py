@@ -8,7 +8,7 @@ import pytest
 from textual._compositor import Compositor
 from textual.screen import Screen
 
-from archo_tui.screens import main
+from archo_tui.screen import main
 from tests.support.console import screen_text
 from tests.support.night import corners
 from tests.support.quiet import Quiet

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.segment import Segment
 from textual.strip import Strip
 
-from archo_tui.widgets.line import Line
+from archo_tui.screen.widgets.line import Line
 from tests.support.console import FAST, console
 
 

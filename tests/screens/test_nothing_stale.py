@@ -11,7 +11,7 @@ from textual.app import App
 from textual.screen import Screen
 
 from archo_tui.robot.state.events import Event
-from archo_tui.widgets.panel import Panel
+from archo_tui.screen.widgets.panel import Panel
 from tests.support.clock import TIME
 from tests.support.console import click, screen_text, send
 from tests.support.night import corners

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.widgets.bars import NoticeLine
+from archo_tui.screen.widgets.bars import NoticeLine
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console
 

@@ -9,8 +9,8 @@ import pytest
 
 from archo_tui.robot.state.graph import NodeState, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.screen.widgets.line import aligned
 from archo_tui.text.state import PLAIN, charge_bar, marked_tone, plain_text
-from archo_tui.widgets.line import aligned
 from tests.support.clock import NOW, TIME
 from tests.support.night import corners
 from tests.support.quiet import Quiet

@@ -16,8 +16,8 @@ from textual.app import App
 from textual.geometry import Size
 from textual.widgets import Input
 
-from archo_tui.commands import registry
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screen.commands import registry
 from tests.support.archo import ARCHO
 from tests.support.console import click, send
 from tests.support.quiet import Quiet

@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from archo_tui.app import ArchoApp
 from archo_tui.robot.clients import Requester, on_behalf_of
 from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.terminal.ascii import in_ascii
 from archo_tui.station.alarms import AlarmBoard
 from archo_tui.station.history import History
-from archo_tui.terminal.ascii import in_ascii
 from tests.support.archo import SHELF
 from tests.support.clock import TIME
 from tests.support.console import send

@@ -6,8 +6,8 @@ import pytest
 from rich.segment import Segment
 from textual.color import Color
 
-from archo_tui.app import ArchoApp
-from archo_tui.terminal.themes import contrast
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.terminal.themes import contrast
 from tests.screens.test_contrast import THEMES, colours
 from tests.support.console import send
 from tests.support.quiet import Quiet

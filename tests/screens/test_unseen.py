@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-from archo_tui import engine
+from archo_tui.ros import engine
 from tests.support import chosen
 from tests.support.console import FAST, Console, console
 from tests.support.plain import operated

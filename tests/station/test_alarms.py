@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.clock import time_of_day
-from archo_tui.commands.alarms import AlarmRow, alarm_lines
+from archo_tui.base.clock import time_of_day
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.frames import Frame, Transforms
 from archo_tui.robot.state.goal import Phase
@@ -16,6 +15,9 @@ from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file.model import FrameRule, TopicRule
+from archo_tui.screen.commands.alarms import AlarmRow, alarm_lines
+from archo_tui.screen.widgets.bars import banner, header
+from archo_tui.screen.widgets.panel import ScreenState
 from archo_tui.station import conditions as every
 from archo_tui.station.alarms import (
     SHELF_TIME,
@@ -36,8 +38,6 @@ from archo_tui.station.conditions import (
 )
 from archo_tui.station.history import History
 from archo_tui.station.view import View
-from archo_tui.widgets.bars import banner, header
-from archo_tui.widgets.panel import ScreenState
 from tests.support.alarms import conditions
 from tests.support.clock import NOW
 from tests.support.states import BATTERY, MOTOR, MOVING, NORMAL, STATES

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.screen.widgets.history_panel import covered_span, end_marks
 from archo_tui.station.history import History, Quantity
 from archo_tui.text.plot import curve
-from archo_tui.widgets.history_panel import covered_span, end_marks
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import BATTERY, MOTOR, MOVING, NORMAL

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.station import journal

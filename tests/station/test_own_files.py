@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import regular_files
-from archo_tui.paths import config_file, state_file
-from archo_tui.terminal import themes
-from archo_tui.terminal.stderr import guarded_streams
+from archo_tui.base import regular_files
+from archo_tui.base.paths import config_file, state_file
+from archo_tui.screen.terminal import themes
+from archo_tui.screen.terminal.stderr import guarded_streams
 
 
 def _large(path: Path) -> None:

@@ -12,11 +12,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
+from archo_tui.station.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.console import console

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 
 NOW = 1000.0  # monotonic s at the start
 TIME = 1_700_000_000.0  # Unix time at the start

@@ -17,14 +17,14 @@ from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 from textual.screen import Screen
 
-from archo_tui.app import ArchoApp
-from archo_tui.handover import Handover
-from archo_tui.keyed_app import HELD
+from archo_tui.base.handover import Handover
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.session import Session
-from archo_tui.session_options import Options
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.widgets.panel import Panel
+from archo_tui.screen.widgets.rows import Rows
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
 from tests.support.stub import sized

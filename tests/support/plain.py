@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.console.plain import Plain
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from archo_tui.station.station import Station
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet

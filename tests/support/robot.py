@@ -9,8 +9,8 @@ from typing import Any
 from rclpy.node import Node
 
 from archo_tui.robot.robot import Robot
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.quiet import until
 

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from tests.support import chosen, warm
 from tests.support.waiting import DEADLINE
 

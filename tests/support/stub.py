@@ -9,13 +9,13 @@ from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
-from archo_tui.app import ArchoApp
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import LogLevel, NodeInfo
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.topics.rows import TopicRequest, TopicView
+from archo_tui.screen.app import ArchoApp
 from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME
 from tests.support.topics import topic_view

@@ -32,7 +32,7 @@ def install(path: str, engine: str) -> None:
         path: The file to write.
         engine: The engine of the console.
     """
-    from archo_tui.engine import activate
+    from archo_tui.ros.engine import activate
 
     activate(engine)
     from archo_bringup.motion import Drive

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual import events
 from textual.message import Message
 
-from archo_tui.terminal.keyboard import Keyboard
+from archo_tui.screen.terminal.keyboard import Keyboard
 
 SOON, IDLE = 0.03, 0.1  # s, as the driver waits
 LONG = 10.0  # s, after which nothing is open any more

@@ -114,7 +114,7 @@ def _names(package: str, kind: str) -> set[str]:
     """Those with a file here, of which the embedded engine makes classes; and those of ROS."""
     files = [
         path
-        for share in ("archo_tui/embedded/share", "tests/share")
+        for share in ("archo_tui/ros/embedded/share", "tests/share")
         for path in (_ROOT / share / package / kind).glob("*")
     ]
     own = (_ROOT / "interfaces" / kind).glob("*") if package == "archo_interfaces" else ()

@@ -26,9 +26,9 @@ from typing import NoReturn
 
 _READ_ONCE = ("PYTHON", "TEXTUAL", "LANG", "LC_", "TZ", "AMENT_PREFIX_PATH")
 _LOADED = (
-    *("archo_tui.app", "archo_tui.session", "archo_tui.console.plain"),
+    *("archo_tui.screen.app", "archo_tui.session.session", "archo_tui.console.plain"),
     *("archo_tui.user_code.host", "archo_tui.robot.robot"),
-    *("archo_tui.terminal.driver", "archo_tui.console.socket", "archo_tui.client.shell"),
+    *("archo_tui.screen.terminal.driver", "archo_tui.console.socket", "archo_tui.client.shell"),
     *("archo_tui.client.robot", "archo_tui.client.mcp.server", "archo_tui.recordings.recorder"),
     *("archo_bringup.battery_monitor", "archo_bringup.dashboard", "archo_bringup.motor_controller"),
 )
@@ -130,8 +130,8 @@ def serve(descriptor: int) -> None:
     """Fork for each client that connects, and tell it how its process ended."""
     import importlib
 
-    from archo_tui import engine
-    from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
+    from archo_tui.base.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
+    from archo_tui.ros import engine
 
     run = int(os.environ["ARCHO_TESTS_RUN"])
     engine.activate("embedded")

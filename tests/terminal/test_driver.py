@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 from textual.message import Message
 
-from archo_tui.terminal.driver import MAX_WAITING, SteadyDriver, TerminalWriter
-from archo_tui.terminal.stop_marks import typed_after
+from archo_tui.screen.terminal.driver import MAX_WAITING, SteadyDriver, TerminalWriter
+from archo_tui.screen.terminal.stop_marks import typed_after
 from tests.support.waiting import DEADLINE, wait_until
 
 FILLING = 7  # frames

@@ -9,7 +9,7 @@ import pytest
 from textual import events
 from textual.message import Message
 
-from archo_tui.terminal.keyboard import STRING_LIMIT, Keyboard
+from archo_tui.screen.terminal.keyboard import STRING_LIMIT, Keyboard
 from tests.support.typed import LONG, Typed, typed
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"

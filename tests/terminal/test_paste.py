@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from archo_tui.terminal.keyboard import PASTE_LIMIT
+from archo_tui.screen.terminal.keyboard import PASTE_LIMIT
 from tests.support.typed import LONG, Typed, typed
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"

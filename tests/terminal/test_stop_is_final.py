@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.keyed_app import HELD
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from archo_tui.robot.stop.gate import NOT_SENT
+from archo_tui.screen.keyed_app import HELD
 from tests.support import chosen
 from tests.support.night import corners
 from tests.support.terminal import Terminal

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import journal_file
 from archo_tui.cli.console import require_terminal
-from archo_tui.errors import ArchoError
-from archo_tui.paths import journal_file
 from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE, wait_until
@@ -28,7 +28,7 @@ import os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it may be ignored
 class Interrupts:
     def find_spec(self, name, *_):
-        if name == "archo_tui.session":
+        if name == "archo_tui.session.session":
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Interrupts())
 """
@@ -185,7 +185,7 @@ def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
 
 
 FAIL_ONCE = """
-from archo_tui.screens.main import MainScreen
+from archo_tui.screen.main import MainScreen
 show, failures = MainScreen.show, [0]
 def failing(self, view, commands):
     if view.snapshot.goal is not None and not failures[0]:
@@ -217,7 +217,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
 
 
 FAILS_WHEN_OPENED = """
-from archo_tui.commands.help import Help
+from archo_tui.screen.commands.help import Help
 def fail(self):
     raise ZeroDivisionError("of the help")
 Help.body = fail
@@ -260,7 +260,7 @@ FAILS_AND_WAITS = (
     FAILS_WHEN_OPENED
     + """
 import pathlib, time
-from archo_tui.app import ArchoApp
+from archo_tui.screen.app import ArchoApp
 made, before = [], ArchoApp.__init__
 def waiting(self, *args, **options):
     made.append(self)
@@ -300,7 +300,7 @@ def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
 
 
 FAILS_AT_STOP = """
-from archo_tui.app import ArchoApp
+from archo_tui.screen.app import ArchoApp
 before = ArchoApp.close_questions
 def failing(self):
     ArchoApp.close_questions = before
@@ -364,7 +364,7 @@ def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> 
 
 HANGING_NODE = """
 import threading
-from archo_tui import session
+from archo_tui.session import session
 makers = session._robots_nodes
 def with_hanging(use_sim):
     from rclpy.node import Node
@@ -542,7 +542,7 @@ def test_a_stop_typed_behind_the_third_failure_is_sent(
 
 
 FAILS_IN_A_MOVE = """
-from archo_tui.screens.main import MainScreen
+from archo_tui.screen.main import MainScreen
 show = MainScreen.show
 def fail(self, view, commands):
     goal = view.snapshot.goal

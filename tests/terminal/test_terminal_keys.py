@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.paths import journal_file
+from archo_tui.base.paths import journal_file
 from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until

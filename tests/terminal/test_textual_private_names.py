@@ -20,19 +20,15 @@ import textual
 ROOT = Path(__file__).parent.parent.parent
 TEXTUAL = Path(textual.__file__).parent
 # The others import nothing of it, as .ci/lint checks.
-ROOMS = "app.py", "keyed_app.py", "terminal", "widgets", "screens", "commands"
-MODULES = sorted(
-    str(path.relative_to(ROOT))
-    for room in ROOMS
-    for path in (ROOT / "archo_tui").glob(room if room.endswith(".py") else f"{room}/*.py")
-)
+SCREEN = ROOT / "archo_tui" / "screen"
+MODULES = sorted(str(path.relative_to(ROOT)) for path in SCREEN.rglob("*.py"))
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
     "app.py": "_handle_exception",
     "keyed_app.py": "_bindings _check_bindings",
-    "screens/base.py": "_compositor_refresh _repaint_required",
-    "screens/dialog.py": "_bindings",
-    "screens/main.py": "_compositor_refresh _screen_resized",
+    "base.py": "_compositor_refresh _repaint_required",
+    "dialog.py": "_bindings",
+    "main.py": "_compositor_refresh _screen_resized",
     "terminal/app.py": "_context _handle_exception _styles_cache",
     "terminal/driver.py": "_writer_thread",
     "terminal/keyboard.py": "_xterm_parser",
@@ -132,5 +128,5 @@ def found_in(module: str) -> str:
 
 
 def test_its_private_names_that_the_console_uses_are_these_and_still_there() -> None:
-    found = {module.removeprefix("archo_tui/"): found_in(module) for module in MODULES}
+    found = {module.removeprefix("archo_tui/screen/"): found_in(module) for module in MODULES}
     assert {module: names for module, names in found.items() if names} == KNOWN

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.robot.state.snapshot import Hosted
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 
 

@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import DEADLINE, wait_until

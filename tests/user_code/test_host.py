@@ -13,8 +13,8 @@ from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from archo_tui.user_code import interrupt
 from tests.support import chosen
 from tests.support.waiting import wait_until

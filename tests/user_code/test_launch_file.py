@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
+from archo_tui.base.errors import ArchoError
 from archo_tui.cli import main
-from archo_tui.errors import ArchoError
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session import Session
-from archo_tui.session_options import Launch, Options, check_options
+from archo_tui.session.options import Launch, Options, check_options
+from archo_tui.session.session import Session
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.launch_file import LaunchFile
 from tests.support import chosen

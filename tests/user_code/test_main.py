@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session import Session
+from archo_tui.session.session import Session
 from tests.support import chosen, warm
 from tests.support.night import corners
 from tests.support.waiting import wait_until

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from archo_tui.robot.outcome import Code
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import tests.contract.textbook as textbook
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.safe_text import HIDDEN
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.safe_text import HIDDEN
 from archo_tui.user_code.file import ProgramFile
 from tests.support import chosen
 from tests.support.console import console

@@ -20,13 +20,13 @@ from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
 import tests.contract.textbook as textbook
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.handover import Handover
 from archo_tui.client import sockets
-from archo_tui.errors import ArchoError
-from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.commands import HELD_BY_NOBODY
 from archo_tui.robot.state.snapshot import Latch, Life
-from archo_tui.session import Session
+from archo_tui.session.session import Session
 from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.hosted import HostedThread

@@ -14,8 +14,8 @@ import pytest
 from textual.widgets import Static
 
 from archo_tui.robot.state.events import Event
-from archo_tui.session import Session
-from archo_tui.session_options import Options
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
 from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console

@@ -67,7 +67,7 @@ def test_python_itself_is_not_the_users_though_it_be_in_their_folder() -> None:
 def test_the_console_is_not_the_users_though_it_be_in_their_folder() -> None:
     clone = Path(archo_tui.__file__).resolve().parent.parent
     code = OwnCode("mine.py", clone / "mine.py")
-    assert not code.is_own(f"{clone}/archo_tui/embedded/cdr.py")
+    assert not code.is_own(f"{clone}/archo_tui/ros/embedded/cdr.py")
     assert code.is_own(f"{clone}/helpers.py")
 
 

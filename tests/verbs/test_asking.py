@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot

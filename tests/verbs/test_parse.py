@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.commands import registry
-from archo_tui.errors import ArchoError
-from archo_tui.paths import config_file
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import config_file
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import FormField
+from archo_tui.screen.commands import registry
 from archo_tui.station.places import Places
 from archo_tui.verbs.places import pose_goal
 from archo_tui.verbs.verb import NotPossible

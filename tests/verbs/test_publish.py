@@ -17,8 +17,8 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from archo_tui.commands.generic import _publish_values
 from archo_tui.robot_file import load
+from archo_tui.screen.commands.generic import _publish_values
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Cancel
 from archo_tui.verbs.topics import Publish, frequency

@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 from archo_tui.robot.outcome import WATCHING, data_of
 from archo_tui.robot.state.readings import Pose
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
-from archo_tui.session import _robots_nodes
+from archo_tui.session.session import _robots_nodes
 from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock

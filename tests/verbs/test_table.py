@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from archo_tui.app import ArchoApp
-from archo_tui.clock import Clock
-from archo_tui.commands import registry
-from archo_tui.commands.base import Command, VerbCommand
+from archo_tui.base.clock import Clock
 from archo_tui.console.plain import help_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Hosted, OpenStop, Snapshot
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.commands import registry
+from archo_tui.screen.commands.base import Command, VerbCommand
 from archo_tui.verbs import verbs
 from archo_tui.verbs.nodes import DuplicateNode
 from tests.support import clock

@@ -13,10 +13,10 @@ from rclpy.node import Node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
-from archo_tui.session import _robots_nodes
+from archo_tui.screen.widgets.events_panel import event_lines, events_as_text
+from archo_tui.session.session import _robots_nodes
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import fault_text, plain_text
-from archo_tui.widgets.events_panel import event_lines, events_as_text
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
 from tests.support.states import STATES

@@ -11,9 +11,9 @@ from textual._compositor import Compositor
 from textual.geometry import Size
 from textual.screen import Screen
 
-from archo_tui.commands.parameters import EditParameter
-from archo_tui.widgets.bars import FooterKey, footer
-from archo_tui.widgets.field import Field
+from archo_tui.screen.commands.parameters import EditParameter
+from archo_tui.screen.widgets.bars import FooterKey, footer
+from archo_tui.screen.widgets.field import Field
 from tests.support.console import FAST, LONG, console
 
 _EDITING = ("backspace", "delete", "left", "right", "home", "end", "ctrl+u", "ctrl+k", "ctrl+w")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.topics.rows import FieldKind, FieldView, TopicView
-from archo_tui.terminal.ascii import in_ascii
+from archo_tui.screen.terminal.ascii import in_ascii
 from archo_tui.text.state import plain_text
 from archo_tui.text.topic import (
     field_columns,

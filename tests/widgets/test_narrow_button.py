@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from textual.app import App, ComposeResult
 
-from archo_tui.widgets.field import Button
+from archo_tui.screen.widgets.field import Button
 
 
 class _Narrow(App[None]):

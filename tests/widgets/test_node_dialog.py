@@ -9,9 +9,9 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.commands.nodes import NodeDialog
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.stop.gate import NOT_SENT
+from archo_tui.screen.commands.nodes import NodeDialog
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.quiet import ended
 from tests.widgets.test_nodes import select

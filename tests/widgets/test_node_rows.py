@@ -6,8 +6,8 @@ import pytest
 
 from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.screen.widgets.nodes_panel import node_columns, node_lines, node_titles
 from archo_tui.text.nodes import NodeRow
-from archo_tui.widgets.nodes_panel import node_columns, node_lines, node_titles
 from tests.support.clock import NOW
 from tests.support.console import screen_text
 from tests.support.quiet import Quiet

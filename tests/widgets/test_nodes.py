@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.robot.state.snapshot import Hosted, Life
-from archo_tui.session import _robots_nodes
+from archo_tui.session.session import _robots_nodes
 from archo_tui.text.nodes import NodeRow
 from archo_tui.text.state import motion_word, plain_text
 from tests.support.clock import NOW

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.cells import cell_len
 from textual.notifications import SeverityLevel
 
-from archo_tui.widgets.bars import DURATIONS, Notice, notice_text, with_newest
+from archo_tui.screen.widgets.bars import DURATIONS, Notice, notice_text, with_newest
 
 
 def notice(text: str, severity: SeverityLevel = "warning") -> Notice:

@@ -13,9 +13,9 @@ from rich.color import Color
 from textual.geometry import Region
 from textual.widgets import Input, Static
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.state.graph import Parameter
-from archo_tui.widgets import parameters_panel
+from archo_tui.screen.widgets import parameters_panel
 from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
 from tests.support.night import corners

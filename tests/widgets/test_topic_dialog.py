@@ -15,10 +15,10 @@ from std_msgs.msg import Float32, Float32MultiArray, Float64, String
 from textual.geometry import Region
 from textual.screen import Screen
 
-from archo_tui.app import ArchoApp
-from archo_tui.commands import graph
-from archo_tui.commands.alarms import AlarmList
-from archo_tui.widgets.rows import Rows
+from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.commands import graph
+from archo_tui.screen.commands.alarms import AlarmList
+from archo_tui.screen.widgets.rows import Rows
 from tests.support import clock
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet

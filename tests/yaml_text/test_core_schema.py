@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.regular_files import MAX_BYTES
-from archo_tui.yaml_text.bounded_yaml import load, scalar_texts
-from archo_tui.yaml_text.core_schema import YamlFault
-from archo_tui.yaml_text.dump import block, flow
+from archo_tui.base.regular_files import MAX_BYTES
+from archo_tui.base.yaml_text.bounded_yaml import load, scalar_texts
+from archo_tui.base.yaml_text.core_schema import YamlFault
+from archo_tui.base.yaml_text.dump import block, flow
 
 
 @pytest.mark.parametrize(

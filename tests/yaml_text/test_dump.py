@@ -11,15 +11,15 @@ import pytest
 import yaml
 from rclpy.parameter import get_parameter_value
 
+from archo_tui.base.yaml_text import bounded_yaml
+from archo_tui.base.yaml_text.dump import flow
 from archo_tui.robot.graph.parameter_values import as_python
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.typed import default_text, parse_field
 from archo_tui.robot.messages.values import checked, filled
 from archo_tui.robot_file.model import FormField
-from archo_tui.screens.message_form import default_yaml
-from archo_tui.yaml_text import bounded_yaml
-from archo_tui.yaml_text.dump import flow
+from archo_tui.screen.message_form import default_yaml
 from tests.support.night import corners
 from tests.support.values import installed, told, value_of, values_of
 

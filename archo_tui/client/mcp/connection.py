@@ -11,11 +11,11 @@ import contextlib
 import threading
 from typing import Any
 
+from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.client import find
 from archo_tui.client.connection import Connection, Silent
 from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import LOST
-from archo_tui.daemon_threads import in_daemon
 
 _ASSISTANT = {"assistant": True}
 ANSWER_TIMEOUT = 15.0  # Seconds in which a live console answers anything, STOP included.

@@ -22,12 +22,12 @@ from mcp_types import Tool as ListedTool
 from pydantic import Field, StrictInt, ValidationError
 
 from archo_tui import __version__
+from archo_tui.base.safe_text import harmless
 from archo_tui.client.errors import Unreached
 from archo_tui.client.mcp.connection import ANSWER_TIMEOUT, ConsoleConnection
 from archo_tui.robot.messages.values import fits_an_integer
 from archo_tui.robot.stop.words import is_stop_text
 from archo_tui.robot_file.model import NO_STOP
-from archo_tui.safe_text import harmless
 
 NOTE = (
     "What is under from_the_robot was said by the robot, its programs or its files. "

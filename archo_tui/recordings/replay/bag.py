@@ -19,7 +19,9 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.base.errors import ArchoError, in_one_line
+from archo_tui.base.regular_files import open_regular
+from archo_tui.base.safe_text import harmless
 from archo_tui.recordings import store
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.mcap_file import (
@@ -30,11 +32,9 @@ from archo_tui.recordings.replay.mcap_file import (
     Part,
     Unreadable,
 )
-from archo_tui.regular_files import open_regular
 from archo_tui.robot.messages.definitions import definition
 from archo_tui.robot.messages.types import EMPTY, load_class
-from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
-from archo_tui.safe_text import harmless
+from archo_tui.ros.names import InterfaceType, base_name, package_of, parse_type
 
 _FEEDBACK = "_FeedbackMessage"
 _SEPARATOR = re.compile(r"^=+[ \t]*$", re.MULTILINE)  # Between the messages of a definition.

@@ -12,9 +12,9 @@ from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from archo_tui.clock import Clock, time_of_day
-from archo_tui.errors import ArchoError
-from archo_tui.paths import state_file
+from archo_tui.base.clock import Clock, time_of_day
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL
 from archo_tui.recordings.replay.bag import BagFile, BagMessage

@@ -10,7 +10,8 @@ from typing import Any, cast
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from archo_tui.clock import Clock
+from archo_tui.base.clock import Clock
+from archo_tui.base.safe_text import safe
 from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
 from archo_tui.robot.clients import author
 from archo_tui.robot.goals.machine import feedback_changes
@@ -30,7 +31,6 @@ from archo_tui.robot.state.graph import (
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.telemetry import Diagnostics, Telemetry
 from archo_tui.robot_file.model import GoalKind, RobotFile
-from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import Situation, conditions
 

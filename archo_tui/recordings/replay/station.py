@@ -10,9 +10,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NoReturn, cast
 
-from archo_tui.clock import Clock
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.handover import CONSOLE_SOCKET, STOP
+from archo_tui.base.clock import Clock
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.handover import CONSOLE_SOCKET, STOP
 from archo_tui.recordings.replay.bag import Encoded
 from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome

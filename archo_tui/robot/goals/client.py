@@ -15,7 +15,7 @@ from rclpy.action.client import ClientGoalHandle
 from rclpy.qos import qos_profile_action_status_default
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
 from archo_tui.robot.messages.period import Pause

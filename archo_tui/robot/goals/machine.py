@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.messages.period import Period
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.values import as_received, number, read, text_of
@@ -28,7 +29,6 @@ from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind, MessageField
-from archo_tui.safe_text import harmless
 
 FARTHEST = 1e6  # A larger remainder is not a reading.
 # All in seconds.

@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from archo_tui.robot.state.graph import TopicEnd, TopicInfo, in_namespace
-from archo_tui.ros_names import package_of
+from archo_tui.ros.names import package_of
 
 # A policy with the values of a subscription and of a publisher that DDS does not match.
 _UNMATCHED = (

@@ -26,7 +26,7 @@ from archo_tui.robot.state.graph import (
     node_states,
 )
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.ros_names import package_of
+from archo_tui.ros.names import package_of
 
 SHARE = 0.05  # The share of the ROS thread's time that polls take at most.
 _SLICE = 0.02  # Seconds of CPU time in a poll for details; a STOP waits until the poll is over.

@@ -11,12 +11,12 @@ from typing import Any
 from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.node import DEADLINE
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.stop.gate import Gate
-from archo_tui.safe_text import harmless
 
 _GET_STATE = "/get_state"
 _TYPE = "lifecycle_msgs/srv/GetState"

@@ -6,11 +6,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from archo_tui.base.yaml_text.core_schema import YamlFault
 from archo_tui.robot.messages.typed import MAX_LENGTH
 from archo_tui.robot.messages.typed import parse as parse_typed
 from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.state.graph import MASK, Parameter
-from archo_tui.yaml_text.core_schema import YamlFault
 
 # The names of the numbers in rcl_interfaces/msg/ParameterType.
 TYPES = {

@@ -18,6 +18,7 @@ from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rclpy.parameter import Parameter as RosParameter
 
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.graph.parameter_values import (
     TYPES,
     as_python,
@@ -32,7 +33,6 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.graph import MASK, NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
-from archo_tui.safe_text import harmless
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
 _DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.

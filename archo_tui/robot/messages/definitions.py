@@ -17,11 +17,11 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from archo_tui.embedded.idl import PRIMITIVES
-from archo_tui.embedded.import_hook import InterfaceFinder
-from archo_tui.regular_files import read
+from archo_tui.base.regular_files import read
 from archo_tui.robot.messages.types import element_of, kinds, load_class, load_nested, ros2msg_type
-from archo_tui.ros_names import KINDS, InterfaceType, parse_type
+from archo_tui.ros.embedded.idl import PRIMITIVES
+from archo_tui.ros.embedded.import_hook import InterfaceFinder
+from archo_tui.ros.names import KINDS, InterfaceType, parse_type
 
 _INDENT = " " * 4  # For each level of nesting.
 _MAX_LINES = 5_000  # Of one text.

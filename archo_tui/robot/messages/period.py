@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple, TypeGuard
 
-from archo_tui.clock import Monotonic
+from archo_tui.base.clock import Monotonic
 
 # All of them our choice; times are in seconds.
 LEAST_SILENCE = 2.5  # A shorter silence is never judged.

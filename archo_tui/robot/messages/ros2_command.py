@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from shlex import quote
 from typing import Any
 
+from archo_tui.base.yaml_text.dump import flow
 from archo_tui.robot.messages.text import as_yaml
-from archo_tui.yaml_text.dump import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:

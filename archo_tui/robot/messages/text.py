@@ -9,8 +9,10 @@ import struct
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from archo_tui.errors import ArchoError
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
+from archo_tui.base.safe_text import harmless, safe
+from archo_tui.base.yaml_text.dump import block, flow
 from archo_tui.robot.messages.types import (
     NESTED,
     TypedField,
@@ -20,8 +22,6 @@ from archo_tui.robot.messages.types import (
     ros2msg_type,
 )
 from archo_tui.robot.messages.values import text_of
-from archo_tui.safe_text import harmless, safe
-from archo_tui.yaml_text.dump import block, flow
 
 MAX_ELEMENTS = 20  # Of an array that a text shows.
 _MAX_LINES, _MAX_CHARACTERS = 1_000, 100_000  # Of a text.

@@ -7,12 +7,12 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from archo_tui.base.yaml_text import bounded_yaml
+from archo_tui.base.yaml_text.core_schema import YamlFault
+from archo_tui.base.yaml_text.dump import flow
 from archo_tui.robot.messages.types import INTEGERS, TypedField, element_of
 from archo_tui.robot.messages.values import checked, text_of
 from archo_tui.robot_file.model import FormField, Limit, ParameterRef, Scalar
-from archo_tui.yaml_text import bounded_yaml
-from archo_tui.yaml_text.core_schema import YamlFault
-from archo_tui.yaml_text.dump import flow
 
 # Stricter than int() and float(), which also accept `1_2` and the digits of every script.
 _WHOLE = re.compile(r"[+-]?[0-9]+")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from archo_tui.robot_file.model import DIAGNOSTICS, RobotFile
-from archo_tui.ros_names import KINDS, InterfaceType, base_name, package_of, parse_type
+from archo_tui.ros.names import KINDS, InterfaceType, base_name, package_of, parse_type
 
 EMPTY = "structure_needs_at_least_one_member"  # The field that rosidl adds to an empty message.
 TIME, DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"

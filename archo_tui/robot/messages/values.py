@@ -14,11 +14,11 @@ from typing import Any
 
 import yaml
 
+from archo_tui.base.safe_text import harmless, safe
+from archo_tui.base.surrogates import has_lone_surrogate
+from archo_tui.base.yaml_text.dump import flow
 from archo_tui.robot.messages.types import ARRAY, INTEGERS, NESTED, STRING, kinds, load_nested
 from archo_tui.robot_file.model import GoalKind, MessageField
-from archo_tui.safe_text import harmless, safe
-from archo_tui.surrogates import has_lone_surrogate
-from archo_tui.yaml_text.dump import flow
 
 _FLOAT32_MAX = 3.402823466e38  # The limit that rosidl's setters check.
 _FLOAT32_LARGEST = 3.4028234663852886e38  # The largest float32; more is infinite on the wire.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.clients import current_requester
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import one_line
@@ -33,7 +34,6 @@ from archo_tui.robot.stop.gate import HELD, HOLDS, NOT_SENT, OPEN_STOP, UNCERTAI
 from archo_tui.robot.stop.sender import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import NO_STOP, CommandService, GoalKind
-from archo_tui.safe_text import harmless
 
 # Seconds: more than any verb takes that can still end. STOP waits for a server, and then for all.
 _DEADLINE = FIRST_FOUND + ALL_ANSWERS + 1.0

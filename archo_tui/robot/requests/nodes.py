@@ -13,7 +13,7 @@ from rclpy.action import (
     get_action_server_names_and_types_by_node,
 )
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.robot.graph import endpoints
 from archo_tui.robot.graph.graph import SEND, is_hidden, is_of_every_node
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT

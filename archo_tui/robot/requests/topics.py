@@ -9,9 +9,9 @@ from contextlib import AsyncExitStack
 from dataclasses import replace
 from typing import Any, NoReturn
 
-from archo_tui.clock import Clock
-from archo_tui.daemon_threads import in_daemon
-from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.base.clock import Clock
+from archo_tui.base.daemon_threads import in_daemon
+from archo_tui.base.errors import ArchoError, in_one_line
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, field_types, load_class
 from archo_tui.robot.node import QUESTION_TIMEOUT

@@ -20,9 +20,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.messages.values import fits_an_integer, text_of
 from archo_tui.robot.outcome import Code
-from archo_tui.safe_text import harmless
 
 TOPIC = "_archo_console/acts_1"  # A hidden name, as ROS tools use.
 MAX_LENGTH = 16_000  # Characters of a record; a longer one is ignored.

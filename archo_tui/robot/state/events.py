@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import itemgetter
 
-from archo_tui.clock import UnixTime
+from archo_tui.base.clock import UnixTime
+from archo_tui.base.safe_text import harmless, harmless_lines
 from archo_tui.robot.state.audit_records import AuditRecord
-from archo_tui.safe_text import harmless, harmless_lines
 
 # The levels of the console's own events: what the person, a shell or an assistant did, how goals
 # ended, and what other consoles did.

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from math import inf
 from typing import Any, NamedTuple
 
-from archo_tui.clock import Monotonic
+from archo_tui.base.clock import Monotonic
+from archo_tui.base.safe_text import harmless
 from archo_tui.robot.messages.period import MessageRate
-from archo_tui.safe_text import harmless
 
 LATELY = 10.0  # Seconds for which a parent counts that is published no more.
 _AHEAD = 0.5  # Seconds that a stamp may lie in the future: clocks differ.

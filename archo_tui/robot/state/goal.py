@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, NamedTuple
 
-from archo_tui.clock import Monotonic, UnixTime
+from archo_tui.base.clock import Monotonic, UnixTime
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.model import GoalKind

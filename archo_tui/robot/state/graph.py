@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from archo_tui.clock import Monotonic
+from archo_tui.base.clock import Monotonic
 from archo_tui.robot.messages.period import MessageRate, is_silent
 from archo_tui.robot.messages.values import number, same
 from archo_tui.robot_file.model import ParameterRef

@@ -8,7 +8,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from archo_tui.clock import Monotonic, UnixTime
+from archo_tui.base.clock import Monotonic, UnixTime
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.state.events import Event

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.base.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.runtime import Runtime

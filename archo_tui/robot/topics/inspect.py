@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 
-from archo_tui.clock import Clock
-from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.base.clock import Clock
+from archo_tui.base.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.endpoints import DEPTH, fitting_qos
 from archo_tui.robot.messages.period import RATE_INTERVALS
 from archo_tui.robot.node import ConsoleNode
@@ -26,7 +26,7 @@ from archo_tui.robot.topics.rows import (
     with_elements,
 )
 from archo_tui.robot_file.check import not_installed
-from archo_tui.ros_names import package_of
+from archo_tui.ros.names import package_of
 
 # Seconds after a subscription in which a latched topic's messages are those that were kept for it.
 _KEPT = 0.5

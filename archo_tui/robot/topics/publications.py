@@ -10,7 +10,7 @@ from typing import Any
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from archo_tui.errors import ArchoError
+from archo_tui.base.errors import ArchoError
 from archo_tui.robot.graph.endpoints import is_matched
 from archo_tui.robot.messages.types import name_of
 from archo_tui.robot.outcome import Code, Outcome

@@ -11,7 +11,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any, NamedTuple
 
-from archo_tui.errors import in_one_line
+from archo_tui.base.errors import in_one_line
 from archo_tui.robot.messages.definitions import value_names
 from archo_tui.robot.messages.text import as_list, primitive, shortened, summarize
 from archo_tui.robot.messages.types import (

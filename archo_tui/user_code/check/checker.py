@@ -14,12 +14,12 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from archo_tui.clock import Clock
-from archo_tui.nearest import nearest
+from archo_tui.base.clock import Clock
+from archo_tui.base.nearest import nearest
 from archo_tui.robot.messages.types import kinds, load_class
 from archo_tui.robot.state.graph import logger_node
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.ros_names import base_name
+from archo_tui.ros.names import base_name
 from archo_tui.user_code.check.tap import Failed, Skipped
 from archo_tui.user_code.errors import WORDLESS
 from archo_tui.user_code.file import ProgramFile

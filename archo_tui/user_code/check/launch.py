@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from archo_tui.errors import ArchoError
-from archo_tui.launch.evaluate import evaluate
-from archo_tui.launch.plan import LaunchedProgram, LaunchPlan
-from archo_tui.launch.workspace import Workspace
-from archo_tui.nearest import nearest_hint
+from archo_tui.base.errors import ArchoError
+from archo_tui.base.nearest import nearest_hint
 from archo_tui.user_code.check.tap import Failed, Report, Skipped
+from archo_tui.user_code.ros_launch.evaluate import evaluate
+from archo_tui.user_code.ros_launch.plan import LaunchedProgram, LaunchPlan
+from archo_tui.user_code.ros_launch.workspace import Workspace
 
 _NODES = ("battery_monitor", "dashboard", "motor_controller")
 _DRAIN = "fake_battery_drain"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from archo_tui.safe_text import safe
+from archo_tui.base.safe_text import safe
 
 
 class Failed(Exception):

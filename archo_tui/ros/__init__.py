@@ -1,0 +1,1 @@
+"""The engines: real ROS 2, or the embedded one."""

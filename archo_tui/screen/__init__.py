@@ -1,0 +1,1 @@
+"""The screen: the app, its panels, dialogs and commands, and the terminal."""

@@ -1,0 +1,1 @@
+"""Everything but the front end: engine, nodes, robot, station, recorders and socket."""
