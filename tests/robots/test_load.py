@@ -164,6 +164,19 @@ def test_what_cannot_be_meant_is_refused_with_its_line(
 
 
 @pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("stop: emergency stop\n", "service 'emergency stop' is not a name of a topic"),
+        ("topics: [scan, b c]\n", "topic 'b c' is not a name of a topic"),
+    ],
+)
+def test_what_is_written_as_a_text_alone_is_checked_too(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    test_a_mistake_names_its_line(tmp_path, text, 1, said)
+
+
+@pytest.mark.parametrize(
     ("value", "said"),
     [
         ("!!int x", "scale: expected a number: not of the kind !!int: x"),
