@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
 
-UNANSWERED = "the console does not answer; the robot may still be moving"
+_MAY_MOVE = "the robot may still be moving"
+UNANSWERED = f"the console does not answer; {_MAY_MOVE}"
 UNCONFIRMED = "not confirmed: the robot may be moving"
 HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
 # Seconds without a message after which the console is asked whether it still answers.
@@ -132,12 +133,20 @@ class Connection:
                 if left <= _SILENCE:
                     raise
                 if self.path:
-                    reach(self.path, _SILENCE).close()
+                    self._test_answering()
                 continue
             if reply.get("id") in (number, None) and "protocol" not in reply:
                 yield reply
             else:
                 reply = {}
+
+    def _test_answering(self) -> None:
+        """Raise Unreached, with what may be of the robot, if no other connection is answered."""
+        try:
+            reach(self.path, _SILENCE).close()
+        except Unreached as error:
+            text = str(error)
+            raise Unreached(text if text == GONE else f"{_MAY_MOVE}: {text}") from None
 
     def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.
