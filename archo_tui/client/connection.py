@@ -172,6 +172,8 @@ class Connection:
                 if not chunk:
                     break
                 self._buffer += chunk
+                if end is not None and time.monotonic() > end and b"\n" not in chunk:
+                    raise TimeoutError
         except TimeoutError:
             raise Silent(UNANSWERED) from None
         except (OSError, ValueError):  # A broken connection counts as an ended one.

@@ -8,8 +8,9 @@ import os
 import re
 import socket
 import stat
+import threading
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from tests.support.plain import Typed, operated
 from tests.support.robot import making
 from tests.support.ros import begin
 from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
@@ -412,6 +414,22 @@ async def test_a_console_whose_card_names_nothing_holds_up_no_stop(
             assert (stopped.code, "not confirmed" in stopped.err) == (3, True)
             await heard(person, "STOP: confirmed")
             assert (await typed("status")).code == 3  # it may be the one that is meant
+
+
+def test_a_console_whose_line_never_ends_holds_up_no_verb_and_no_stop() -> None:
+    ours, theirs = socket.socketpair()
+
+    def flood() -> None:
+        with theirs, suppress(OSError):
+            while True:
+                theirs.sendall(b"x" * 65536)
+
+    flooding = threading.Thread(target=flood, daemon=True)
+    flooding.start()
+    with connection.Connection("", ours) as console, pytest.raises(connection.Silent):
+        next(console.replies(0.2))
+    flooding.join(DEADLINE)
+    assert not flooding.is_alive()
 
 
 async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
