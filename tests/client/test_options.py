@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.base.errors import ArchoError
+from archo_tui.cli import main
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from tests.support.console import FAST, LONG
@@ -21,6 +22,7 @@ ENDS = [  # what is typed, the exit code, and what is said on standard error
     ("wait idle --timeout x", 2, "--timeout: not a time in s: x"),
     ("status --jsn", 2, "status: takes no values (nearest to --jsn: --json)"),
     ("status --to 1", 3, "no console 1 runs here"),
+    ("pub cmd_vel --rate 0", 2, "pub: --rate: more than 0, at most 100 Hz, not 0\n"),
     ("wait idle", 0, "idle"),
     ("wait ready", 0, "ready"),
     ("wait battery 10", 0, "8"),  # And some tenths less on a slow machine.
@@ -127,6 +129,15 @@ async def test_a_person_who_says_no_in_time_has_answered() -> None:
             result = await client.result()
             assert (result["code"], result["text"]) == (code, text)
         client.close()
+
+
+@pytest.mark.parametrize("wrong", ["--bogus", "--engine ros3", "--only", "--ros-args -p a:=b --"])
+def test_with_json_an_option_that_is_wrong_is_one_object_too(
+    wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*wrong.split(), "status", "--json"]) == 2
+    out, err = capsys.readouterr()
+    assert (json.loads(out)["code"], err) == ("misuse", "")
 
 
 def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixture[str]) -> None:
