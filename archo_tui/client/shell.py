@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
+_FOR_THE_CONSOLE = ("--yes", "--all", "--rate", "--times")  # Options among the words of a verb.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _SIGNALS = signal.SIGINT, signal.SIGTERM
 
@@ -327,9 +328,8 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
             f"{unknown} (nearest: {near})" if near else f"{unknown} (archo-tui --help lists them)"
         )
     option = next((word for word in words[1:] if word.startswith("--")), "")
-    known = (*VERB_FLAGS, *VERB_VALUES, "--yes")
-    is_known = option in known or f"{option}:" in text  # The console tells what is wrong with it.
-    near = "" if is_known else _nearest(option, known)
+    known = (*VERB_FLAGS, *VERB_VALUES, *_FOR_THE_CONSOLE)
+    near = _nearest(option, known) if option not in known else ""
     hint = f" (nearest to {option}: {near})" if near and result["code"] == "misuse" else ""
     return f"{words[0]}: {text}{hint}"
 
