@@ -235,6 +235,27 @@ async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
         assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
 
 
+async def test_a_goal_whose_cancel_was_accepted_is_not_said_to_run_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(ros_args=LONG) as person, guest() as one:
+        robot, asked = person._plain._station.robot, 0
+        cancel = robot.cancel
+
+        async def counted(*, another: bool = False) -> Outcome:
+            nonlocal asked
+            asked += 1  # ROS rejects a second one while a goal winds down.
+            return await cancel(another=another)
+
+        monkeypatch.setattr(robot, "cancel", counted)
+        one.send({"id": 1, "words": ["go", "12"], "wait": True})
+        assert (await one.line())["said"] == "accepted"
+        one.send({"give_up": True})  # And again, as it leaves.
+        one.close()
+        await heard(person, "CANCELLED")
+        assert (asked, "may still run" in person.said) == (1, False)
+
+
 async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
     async with served(ros_args=FAST) as person, guest() as one:
         assert (await one.ask("stop"))["code"] == "done"
