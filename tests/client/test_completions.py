@@ -179,7 +179,7 @@ async def test_a_name_that_a_shell_would_run_is_not_offered(
     assert offered == ["max_speed"]
 
 
-def test_a_stop_is_sent_though_half_of_what_a_completion_sets_is_set(
+def test_a_stop_is_sent_though_one_variable_of_completions_is_set(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("_ARGCOMPLETE", "1")
