@@ -38,6 +38,7 @@ from archo_tui.screen.widgets.rows import Rows
 P = TypeVar("P", bound=Panel)
 
 # In the order of their numbers, from 1. Keys, footer, `?` and the screen follow from it.
+# Eight have room: the digit behind the last is that of a replay's time line.
 PANELS: tuple[type[Panel], ...] = (
     *(BatteryPanel, MotionPanel, GoalPanel, ParametersPanel),
     *(NodesPanel, EventsPanel, HistoryPanel, GraphPanel),
