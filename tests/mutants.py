@@ -40,9 +40,12 @@ TESTS = {
     "ros": "embedded test_ros2_commands.py",
     "ros_launch": "launch",
     "screen": "console screens",
+    "commands": "commands widgets",
     "session": "robot/test_session.py user_code station",
+    "station": "station parameters",
+    "text": "verbs widgets",
+    "widgets": "widgets screens",
     **dict.fromkeys(("robot", "robot_file"), "robot robots"),
-    **dict.fromkeys(("verbs", "text"), "verbs"),
 }
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt},
