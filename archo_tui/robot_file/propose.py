@@ -360,7 +360,7 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
     fixed: dict[str, str] = {}
     done: list[str] = []  # The paths of messages whose fields are dealt with.
     poses = [path for path, kind in goal.items() if kind in _GOAL_POSES]
-    is_only_pose = all(path.startswith(poses[0]) for path in poses)
+    is_only_pose = all(f"{path}.".startswith(f"{poses[0]}.") for path in poses)
     for path, kind in goal.items():
         if any(path.startswith(f"{message}.") for message in done):
             continue

@@ -268,6 +268,14 @@ def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:
     assert (goal.remaining.field, goal.message) == ("distance_left", "message")
 
 
+def test_of_several_poses_each_label_has_the_name_of_its_pose() -> None:
+    poses = {name: "geometry_msgs/Pose" for name in ("pose", "pose.inner", "pose_behind")}
+    (goal,) = robot(action("/plan", "own_msgs/action/Plan", goal=poses)).goals
+    labels = [field.label for field in goal.form.values()]
+    words = ("x", "y", "yaw")
+    assert labels == [f"{name} {word}" for name in ("pose", "pose_behind") for word in words]
+
+
 def test_the_left_wheel_is_not_what_is_left_of_a_goal() -> None:
     feedback = {"left_wheel_speed": "float", "time_left": "float"}
     found = action("/spin", "own_msgs/action/Spin", goal={"turns": "int32"}, feedback=feedback)
