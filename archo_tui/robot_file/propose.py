@@ -321,11 +321,11 @@ def _topic_entries(sighting: Sighting) -> Iterator[Entry]:
 
 def _with_its_scale(fields: BatteryFields, values: Mapping[str, Any]) -> tuple[BatteryFields, str]:
     percentage, value = fields.percentage, values.get(fields.percentage.field)
-    if not isinstance(value, float) or percentage.scale == 1.0:
+    if not isinstance(value, float):
         return fields, ""
     if value != value:
         return fields, "; its percentage is not a number"
-    if value <= 1.0:
+    if value <= 1.0 or percentage.scale == 1.0:
         return fields, ""
     fields = replace(fields, percentage=replace(percentage, scale=1.0))
     return fields, f"; its percentage was {value:g}, so it is not 0 to 1 as its type says"

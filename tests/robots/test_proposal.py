@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import get_args
 
@@ -95,6 +95,8 @@ def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
     assert made.battery.types["sensor_msgs/msg/BatteryState"].percentage.scale == 1
     unknown = BATTERY.__class__(**{**vars(BATTERY), "values": {"percentage": float("nan")}})
     assert "its percentage is not a number" in text(unknown)
+    percent = replace(unknown, types=("archo_interfaces/msg/BatteryStatus",))
+    assert "its percentage is not a number" in text(percent)
 
 
 def test_a_number_is_a_battery_only_by_the_name_of_its_topic() -> None:
