@@ -196,7 +196,7 @@ def _sources() -> dict[Path, Path]:
     """Return the file to copy for each path below the workspace."""
     in_clone = (_PACKAGE.parent / "interfaces" / "package.xml").is_file()
     root = _PACKAGE.parent if in_clone else _PACKAGE
-    interfaces = root / ("interfaces" if in_clone else "embedded/share/archo_interfaces")
+    interfaces = root / ("interfaces" if in_clone else "ros/embedded/share/archo_interfaces")
     sources = {Path(): root / "config" / "chapter"}
     sources |= {Path("src/archo_interfaces", name): interfaces / name for name in _INTERFACES}
     return {

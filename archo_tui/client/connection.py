@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 UNANSWERED = "the console does not answer; the robot may still be moving"
 UNCONFIRMED = "not confirmed: the robot may be moving"
+_MAY_MOVE = "The robot may still be moving"
 HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
 # Seconds without a message after which the console is asked whether it still answers.
 _SILENCE = 10.0
@@ -132,12 +133,19 @@ class Connection:
                 if left <= _SILENCE:
                     raise
                 if self.path:
-                    reach(self.path, _SILENCE).close()
+                    self._check_that_it_answers()
                 continue
             if reply.get("id") in (number, None) and "protocol" not in reply:
                 yield reply
             else:
                 reply = {}
+
+    def _check_that_it_answers(self) -> None:
+        try:
+            reach(self.path, _SILENCE).close()
+        except Unreached as error:  # It was told before a request: now the robot may have it.
+            text = str(error)
+            raise Unreached(text if "moving" in text else f"{text} {_MAY_MOVE}") from None
 
     def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.

@@ -476,7 +476,7 @@ class MainScreen(Base):
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
     def forget_refusal(self) -> None:
-        """Remove the hint in the goal's form: a key was pressed."""
+        """Remove the refusal in the goal's form, since a key was pressed."""
         self.goal.forget_hint()
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:

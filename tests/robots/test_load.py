@@ -155,6 +155,8 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (TOGGLE, "id: check", 3, "the id check is the console's own: choose another"),
         ("stop: {service: ''}\n", "", 1, "'' is not a name of a topic"),
         ("stop: {service: ~x}\n", "", 1, "'~x' is not a name of a topic"),
+        ("stop: emergency stop\n", "", 1, "'emergency stop' is not a name of a topic"),
+        ("topics: [scan, scan 2]\n", "", 1, "'scan 2' is not a name of a topic"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_meant_is_refused_with_its_line(
