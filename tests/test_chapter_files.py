@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -46,6 +48,27 @@ def test_every_node_is_an_executable_of_the_package(tmp_path: Path) -> None:
     assert {f"{node} = archo_comms.{node}:main" for node in nodes} <= texts
     launch = (package / "launch/archo_comms.launch.py").read_text(encoding="utf-8")
     assert all(f'executable="{node}"' in launch for node in nodes)
+
+
+def test_an_installed_console_writes_the_same_files_as_a_clone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = Path(__file__).parent.parent
+    project = (root / "pyproject.toml").read_text(encoding="utf-8")
+    listed = project.partition("[tool.hatch.build.targets.wheel.force-include]\n")[2]
+    for source, place in re.findall('^"(.+)" = "(.+)"$', listed.partition("\n\n")[0], re.MULTILINE):
+        target = tmp_path / "installed" / place
+        target.parent.mkdir(parents=True, exist_ok=True)
+        copy = shutil.copytree if (root / source).is_dir() else shutil.copyfile
+        copy(root / source, target)
+    assert main(["chapter", str(tmp_path / "clone")]) == 0
+    monkeypatch.setattr("archo_tui.cli.subcommands._PACKAGE", tmp_path / "installed/archo_tui")
+    assert main(["chapter", str(tmp_path / "wheel")]) == 0
+    clone, wheel = (
+        {path.relative_to(folder) for path in folder.rglob("*")}
+        for folder in (tmp_path / "clone", tmp_path / "wheel")
+    )
+    assert wheel == clone
 
 
 def test_no_file_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -245,7 +245,6 @@ NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
         ),
         ("check x.py --ros-args -p a:=1", "--ros-args is for the console, not for check"),
         ("go 12 --ros-args -r a:=b", "--ros-args is for the console, not for go"),
-        ("--json status --ros-args -r a:=b", "--ros-args is for the console, not for status"),
         (
             "--params-file /no/such.yaml",
             "/no/such.yaml: cannot read the parameter file: No such file or directory",

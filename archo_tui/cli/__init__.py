@@ -27,8 +27,8 @@ from archo_tui.cli.options import (
 )
 from archo_tui.cli.verb import helps, send_stop, send_verb, wrong_option
 from archo_tui.client import shell  # Loads quickly, since a prompt may call it.
-from archo_tui.client.protocol import FAILED, MISUSED
-from archo_tui.client.shell import complain
+from archo_tui.client.protocol import FAILED
+from archo_tui.client.shell import complain, fail
 from archo_tui.robot.stop.words import is_stop_text
 
 _AGAIN = 100  # station.shutdown.RESTART, which is not imported for --help.
@@ -53,7 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A console that asks for a restart replaces this process.
     """
-    if "_ARGCOMPLETE" in os.environ:  # Before all else: a `stop` that is being typed must not stop.
+    if {
+        "_ARGCOMPLETE",
+        "COMP_LINE",
+    } <= os.environ.keys():  # Before all else: a `stop` that is being typed must not stop.
         completion.complete()
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.
@@ -75,8 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             complain("what was to be printed is lost: standard output is closed")
             code = FAILED
     except ArchoError as error:
-        complain(str(error))
-        return MISUSED
+        return fail("misuse", str(error), _without_program_arguments(words)[0])
     except OSError as error:
         if error.errno not in (errno.ENOSPC, errno.EPIPE, errno.EIO) or sys.stdout is None:
             raise

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
 
-UNANSWERED = "the console does not answer; the robot may still be moving"
+_MAY_MOVE = "the robot may still be moving"
+UNANSWERED = f"the console does not answer; {_MAY_MOVE}"
 UNCONFIRMED = "not confirmed: the robot may be moving"
-_MAY_MOVE = "The robot may still be moving"
 HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
 # Seconds without a message after which the console is asked whether it still answers.
 _SILENCE = 10.0
@@ -133,19 +133,20 @@ class Connection:
                 if left <= _SILENCE:
                     raise
                 if self.path:
-                    self._check_that_it_answers()
+                    self._test_answering()
                 continue
             if reply.get("id") in (number, None) and "protocol" not in reply:
                 yield reply
             else:
                 reply = {}
 
-    def _check_that_it_answers(self) -> None:
+    def _test_answering(self) -> None:
+        """Raise Unreached, with what may be of the robot, if no other connection is answered."""
         try:
             reach(self.path, _SILENCE).close()
-        except Unreached as error:  # It was told before a request: now the robot may have it.
+        except Unreached as error:
             text = str(error)
-            raise Unreached(text if "moving" in text else f"{text} {_MAY_MOVE}") from None
+            raise Unreached(text if text == GONE else f"{_MAY_MOVE}: {text}") from None
 
     def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.
@@ -171,6 +172,8 @@ class Connection:
                 if not chunk:
                     break
                 self._buffer += chunk
+                if end is not None and time.monotonic() > end and b"\n" not in chunk:
+                    raise TimeoutError
         except TimeoutError:
             raise Silent(UNANSWERED) from None
         except (OSError, ValueError):  # A broken connection counts as an ended one.

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
+_FOR_THE_CONSOLE = ("--yes", "--all", "--rate", "--times")  # Options among the words of a verb.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _SIGNALS = signal.SIGINT, signal.SIGTERM
 
@@ -135,13 +136,13 @@ def run(
             return _send(console, line, others, attach)
     except Unreached as error:
         if line.is_stop:
-            return _fail(NOT_REACHED, str(error), words)
+            return fail(NOT_REACHED, str(error), words)
         return _print_without_console(words, others, str(error), helps)
     except (ValueError, ArchoError) as error:
-        return _fail("misuse", str(error), words)
+        return fail("misuse", str(error), words)
 
 
-def _fail(code: str, text: str, words: Sequence[str]) -> int:
+def fail(code: str, text: str, words: Sequence[str]) -> int:
     """Print why a command failed, with `--json` on standard output; return the exit code."""
     if "--json" in words:
         _print_json({"code": code, "text": text})
@@ -166,8 +167,8 @@ def _print_without_console(
             return 0
         near = "" if word in known else _nearest(word, (*known, *others))
         if near:
-            return _fail("misuse", f"no command {word!r} (nearest: {near}), and {why}", words)
-    return _fail(NOT_REACHED, why, words)
+            return fail("misuse", f"no command {word!r} (nearest: {near}), and {why}", words)
+    return fail(NOT_REACHED, why, words)
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
@@ -327,7 +328,7 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
             f"{unknown} (nearest: {near})" if near else f"{unknown} (archo-tui --help lists them)"
         )
     option = next((word for word in words[1:] if word.startswith("--")), "")
-    known = (*VERB_FLAGS, *VERB_VALUES, "--yes")
+    known = (*VERB_FLAGS, *VERB_VALUES, *_FOR_THE_CONSOLE)
     near = _nearest(option, known) if option not in known else ""
     hint = f" (nearest to {option}: {near})" if near and result["code"] == "misuse" else ""
     return f"{words[0]}: {text}{hint}"

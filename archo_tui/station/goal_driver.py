@@ -76,6 +76,7 @@ class GoalDriver:
         # By the goals' numbers: their answers, for verbs that wait, and their outcomes.
         self._answers: dict[int, asyncio.Future[Outcome]] = {}
         self._ends: dict[int, asyncio.Future[Outcome]] = {}
+        self._called_off: set[int] = set()  # Those whose cancel was accepted, or is on its way.
 
     def update(self, snapshot: Snapshot, holding: Holding) -> None:
         """Report the goals that have ended, and send the one that is due, if there is one."""
@@ -223,20 +224,31 @@ class GoalDriver:
         """Take a requester that has left out of the queue, and cancel its goal."""
         self._become(self.queue.leave(requester))
         self._on_changed()
-        if self._may_run(requester):
+        if self._underway_of(requester):
             await self._cancel_for(requester)
 
     async def _cancel_for(self, requester: Requester) -> None:
-        for _ in range(_CANCEL_ATTEMPTS):
-            with on_behalf_of(requester):
-                outcome = await self.cancel()
-            if outcome.ok or not self._may_run(requester):
-                return
+        """Cancel a requester's goal, unless this is underway: a second cancel would be rejected."""
+        numbers, accepted = self._underway_of(requester), False
+        if numbers and numbers <= self._called_off:
+            return
+        self._called_off |= numbers
+        try:
+            for _ in range(_CANCEL_ATTEMPTS):
+                with on_behalf_of(requester):
+                    outcome = await self.cancel()
+                accepted = outcome.ok
+                if accepted or not self._underway_of(requester):
+                    return
+        finally:
+            if not accepted:
+                self._called_off -= numbers
         text = f"the goal of {requester.source}, which has left, may still run: {outcome.text}"
         self._robot.note("ERROR", "console", text)
 
-    def _may_run(self, requester: Requester) -> bool:
-        return any(goal.requester is requester for goal, _ in self.queue.underway)
+    def _underway_of(self, requester: Requester) -> set[int]:
+        """Return the numbers of a requester's goals that the robot may carry out."""
+        return {goal.number for goal, _ in self.queue.underway if goal.requester is requester}
 
     def take_out(self, requester: Requester) -> None:
         """Take a requester's goals out of the queue: nobody waits for them any more."""

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.base.paths import state_file
+from archo_tui.cli import main
 from archo_tui.cli.completion import fitting
 from archo_tui.console import session
 from archo_tui.recordings import recorder, store
@@ -176,3 +177,11 @@ async def test_a_name_that_a_shell_would_run_is_not_offered(
         offered = await asyncio.to_thread(fitting, ["get", "motor_controller", ""])
         await person.end()
     assert offered == ["max_speed"]
+
+
+def test_a_stop_is_sent_though_half_of_what_a_completion_sets_is_set(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("_ARGCOMPLETE", "1")
+    assert main(["stop"]) == 3
+    assert "STOP was not sent: no console runs here" in capsys.readouterr().err

@@ -8,8 +8,9 @@ import os
 import re
 import socket
 import stat
+import threading
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from tests.support.plain import Typed, operated
 from tests.support.robot import making
 from tests.support.ros import begin
 from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
@@ -233,6 +235,27 @@ async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
         assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
 
 
+async def test_a_goal_whose_cancel_was_accepted_is_not_said_to_run_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(ros_args=LONG) as person, guest() as one:
+        robot, asked = person._plain._station.robot, 0
+        cancel = robot.cancel
+
+        async def counted(*, another: bool = False) -> Outcome:
+            nonlocal asked
+            asked += 1  # ROS rejects a second one while a goal winds down.
+            return await cancel(another=another)
+
+        monkeypatch.setattr(robot, "cancel", counted)
+        one.send({"id": 1, "words": ["go", "12"], "wait": True})
+        assert (await one.line())["said"] == "accepted"
+        one.send({"give_up": True})  # And again, as it leaves.
+        one.close()
+        await heard(person, "CANCELLED")
+        assert (asked, "may still run" in person.said) == (1, False)
+
+
 async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
     async with served(ros_args=FAST) as person, guest() as one:
         assert (await one.ask("stop"))["code"] == "done"
@@ -412,6 +435,22 @@ async def test_a_console_whose_card_names_nothing_holds_up_no_stop(
             assert (stopped.code, "not confirmed" in stopped.err) == (3, True)
             await heard(person, "STOP: confirmed")
             assert (await typed("status")).code == 3  # it may be the one that is meant
+
+
+def test_a_console_whose_line_never_ends_holds_up_no_verb_and_no_stop() -> None:
+    ours, theirs = socket.socketpair()
+
+    def flood() -> None:
+        with theirs, suppress(OSError):
+            while True:
+                theirs.sendall(b"x" * 65536)
+
+    flooding = threading.Thread(target=flood, daemon=True)
+    flooding.start()
+    with connection.Connection("", ours) as console, pytest.raises(connection.Silent):
+        next(console.replies(0.2))
+    flooding.join(DEADLINE)
+    assert not flooding.is_alive()
 
 
 async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.base.errors import ArchoError
+from archo_tui.cli import main
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from tests.support.console import FAST, LONG
@@ -21,6 +22,7 @@ ENDS = [  # what is typed, the exit code, and what is said on standard error
     ("wait idle --timeout x", 2, "--timeout: not a time in s: x"),
     ("status --jsn", 2, "status: takes no values (nearest to --jsn: --json)"),
     ("status --to 1", 3, "no console 1 runs here"),
+    ("pub cmd_vel --rate 0", 2, "pub: --rate: more than 0, at most 100 Hz, not 0\n"),
     ("wait idle", 0, "idle"),
     ("wait ready", 0, "ready"),
     ("wait battery 10", 0, "8"),  # And some tenths less on a slow machine.
@@ -90,6 +92,13 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
     assert told.err.count("\n") == 1
 
 
+def test_no_option_that_a_verb_has_is_taken_for_a_misspelt_one() -> None:
+    for verb in verbs_of_file().values():
+        for option in verb.option_names:
+            result = {"code": "misuse", "text": "add --yes to do it"}
+            assert "nearest" not in shell._failure_text(result, [verb.id, option], ()), verb.id
+
+
 def test_without_a_console_every_verb_has_its_help() -> None:
     for verb in verbs_of_file().values():
         told = said(verb.id, "--help")
@@ -127,6 +136,15 @@ async def test_a_person_who_says_no_in_time_has_answered() -> None:
             result = await client.result()
             assert (result["code"], result["text"]) == (code, text)
         client.close()
+
+
+@pytest.mark.parametrize("wrong", ["--bogus", "--engine ros3", "--only", "--ros-args -p a:=b --"])
+def test_with_json_an_option_that_is_wrong_is_one_object_too(
+    wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*wrong.split(), "status", "--json"]) == 2
+    out, err = capsys.readouterr()
+    assert (json.loads(out)["code"], err) == ("misuse", "")
 
 
 def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixture[str]) -> None:
