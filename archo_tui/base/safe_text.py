@@ -1,7 +1,8 @@
 """The removal of characters on which a terminal could act from texts of other programs.
 
-Every line for a terminal passes through here: those of the screen (terminal/app.py), of `--plain`,
-of shell verbs, and of standard error. Importing this takes little time: a prompt may run a verb.
+Every line for a terminal passes through here: those of the screen (screen/terminal/app.py), of
+`--plain`, of shell verbs, and of standard error. Importing this takes little time: a prompt may run
+a verb.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ from archo_tui.client.protocol import FAILED
 from archo_tui.client.shell import complain, fail
 from archo_tui.robot.stop.words import is_stop_text
 
-_AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
+_AGAIN = 100  # station.shutdown.RESTART, which is not imported for --help.
 _RUN: dict[str, Callable[[Namespace], int]] = {
     "chapter": subcommands.write_chapter,
     "check": subcommands.check,

@@ -89,7 +89,8 @@ def _candidates(words: Sequence[str]) -> Iterable[str] | None:
         add_subcommand_arguments(parser, name)
     option = parser._option_string_actions.get(before[-1]) if before else None
     if option is not None and option.nargs is None:  # The word is its value.
-        return ENGINES if option.dest == "engine" else option.choices
+        choices = ENGINES if option.dest == "engine" else option.choices
+        return choices or (None if option.metavar in ("FILE", "DIR") else ())
     if name and name not in SUBCOMMANDS:
         return _of_verb(CommandLine(command), parser.parse_args(of_console), unfinished)
     if unfinished[:1] == "-":

@@ -47,7 +47,7 @@ def _values(metavar: str, text: str, **more: Any) -> dict[str, Any]:
     return _value(metavar, text, action="append", default=[], **more)
 
 
-# All arguments by their names; those of the console are called as in `session_options.Options`.
+# All arguments by their names; those of the console are called as in `session.options.Options`.
 _ARGUMENTS: dict[str, dict[str, Any]] = {
     "--node": _values(
         "FILE",
@@ -80,7 +80,7 @@ _ARGUMENTS: dict[str, dict[str, Any]] = {
     "--engine": {
         "default": "",  # A verb goes to any console if none is typed.
         "help": "what `import rclpy` imports: embedded (default, needs no ROS) or ros2 (the "
-        "installed ROS 2)",
+        "installed ROS 2, which alone `robot` looks at)",
     },
     "--attach": _flag("operate the robot on the ROS 2 graph, and host no nodes"),
     "--namespace": _value("NS", "namespace of the nodes (default: /)", default=""),

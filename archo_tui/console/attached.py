@@ -79,7 +79,7 @@ class _Frontend:
 
     def close(self) -> None:
         """End the loop, and cancel what is still being carried out; wait up to 5 s for that."""
-        self._loop.call_soon_threadsafe(self._running.cancel)
+        self._loop.call_soon_threadsafe(self._is_over.set)
         self._thread.join(_END_TIMEOUT)
 
     # Called on the loop.
@@ -101,15 +101,15 @@ class _Frontend:
         """Do nothing: this process hosts no nodes, which alone need a restart."""
 
     def _run_loop(self) -> None:
-        with contextlib.suppress(asyncio.CancelledError):  # By `close`.
-            asyncio.run(self._run_station())
+        asyncio.run(self._run_station())
 
     async def _run_station(self) -> None:
         station, self._loop = self._station, asyncio.get_running_loop()
-        self._running = asyncio.ensure_future(self._tick())
+        self._is_over = asyncio.Event()
         station.attach(self)
         station.robot.subscribe(self._on_snapshot)
-        await self._running
+        self.run_in_background(self._tick)
+        await self._is_over.wait()
 
     def _on_snapshot(self, snapshot: Snapshot) -> None:
         self._station.on_snapshot(snapshot)

@@ -97,7 +97,7 @@ class Mailbox:
 
 
 class SnapshotSender(Mailbox):
-    """The mailbox with its sender, which has snapshots built. ROS thread only."""
+    """The mailbox with its sender, which has snapshots built on the ROS thread."""
 
     def __init__(self, node: ConsoleNode, build: Callable[[], Snapshot]) -> None:
         super().__init__()

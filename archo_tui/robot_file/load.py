@@ -125,7 +125,7 @@ def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
     needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
     written: dict[str, yaml.Node] = {}
     is_short = isinstance(node, yaml.ScalarNode) and [hints[name] for name in needed] == [str]
-    if is_short:  # Checked like the rest.
+    if is_short:
         given[needed[0]], written[needed[0]] = _read_scalar(str, node), node
     for name, key, value in () if is_short else _checked_pairs(node, path):
         if name in known and hints[name] is str and name not in needed and _is_left_out(value):

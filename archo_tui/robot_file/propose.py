@@ -321,11 +321,11 @@ def _topic_entries(sighting: Sighting) -> Iterator[Entry]:
 
 def _with_its_scale(fields: BatteryFields, values: Mapping[str, Any]) -> tuple[BatteryFields, str]:
     percentage, value = fields.percentage, values.get(fields.percentage.field)
-    if not isinstance(value, float) or percentage.scale == 1.0:
+    if not isinstance(value, float):
         return fields, ""
     if value != value:
         return fields, "; its percentage is not a number"
-    if value <= 1.0:
+    if value <= 1.0 or percentage.scale == 1.0:
         return fields, ""
     fields = replace(fields, percentage=replace(percentage, scale=1.0))
     return fields, f"; its percentage was {value:g}, so it is not 0 to 1 as its type says"
@@ -360,7 +360,7 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
     fixed: dict[str, str] = {}
     done: list[str] = []  # The paths of messages whose fields are dealt with.
     poses = [path for path, kind in goal.items() if kind in _GOAL_POSES]
-    is_only_pose = all(path.startswith(poses[0]) for path in poses)
+    is_only_pose = all(f"{path}.".startswith(f"{poses[0]}.") for path in poses)
     for path, kind in goal.items():
         if any(path.startswith(f"{message}.") for message in done):
             continue

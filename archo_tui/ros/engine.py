@@ -161,7 +161,7 @@ _LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 def no_node_hint(name: str, context: Context) -> str:
     """Return where no node was found, and what to try: `on domain 0 (...): start ...`."""
     if name == EMBEDDED:
-        return "in this process: give one by --node FILE, or leave --only out"
+        return "in this process: give one by --node FILE, or leave out --only"
     from rclpy.utilities import get_rmw_implementation_identifier
 
     reach, rmw = _discovery_range(), get_rmw_implementation_identifier()

@@ -38,6 +38,7 @@ from archo_tui.screen.widgets.rows import Rows
 P = TypeVar("P", bound=Panel)
 
 # In the order of their numbers, from 1. Keys, footer, `?` and the screen follow from it.
+# Eight have room: the digit behind the last is that of a replay's time line.
 PANELS: tuple[type[Panel], ...] = (
     *(BatteryPanel, MotionPanel, GoalPanel, ParametersPanel),
     *(NodesPanel, EventsPanel, HistoryPanel, GraphPanel),
@@ -475,7 +476,7 @@ class MainScreen(Base):
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
     def forget_refusal(self) -> None:
-        """Remove the hint in the goal's form: a key was pressed."""
+        """Remove the refusal in the goal's form, since a key was pressed."""
         self.goal.forget_hint()
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:

@@ -133,7 +133,7 @@ class Places:
         self._own = self._read_own()
 
     def _read_own(self) -> SavedNames:
-        own = self._read().get(self._robot.name, SavedNames())
+        own: SavedNames = self._read().get(self._robot.name, SavedNames())
         for saved in (
             *own.places.values(),
             *(goal for goals in own.lists.values() for goal in goals),
@@ -142,17 +142,23 @@ class Places:
                 raise ArchoError(f"{self.path}: goal {saved.goal} has other fields")
         return own
 
-    def _read(self) -> dict[str, SavedNames]:
+    def _read(self) -> dict[str, Any]:
+        """Return this robot's part of the user's file as SavedNames, and the others as they are."""
         if self.path is None:
             return {}
         try:
             node = bounded_yaml.compose(bounded_yaml.read(self.path), self.path)
-            robots = {} if node is None else read_node(Mapping[str, SavedNames], node, self.path)
         except FileNotFoundError:
             return {}
         except (OSError, ValueError) as error:
             raise ArchoError(f"{self.path}: not read: {error}") from None
-        return dict(robots)
+        if node is None:
+            return {}
+        robots = dict(read_node(Mapping[str, Any], node, self.path))
+        for key, part in node.value:
+            if key.value == self._robot.name:
+                robots[key.value] = read_node(SavedNames, part, self.path)
+        return robots
 
     def _write(self, own: SavedNames) -> None:
         """Write the user's file, other robots' parts of it as they are, and take it; ArchoError."""

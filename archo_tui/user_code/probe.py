@@ -48,7 +48,7 @@ class Probe:
         self._code, self._nodes, self._threads = code, nodes, threads
 
     def answer(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the answer to a question; {} if a node is just made or destroyed."""
+        """Answer a question, wake nodes, or set values of one; {} if one is just made or gone."""
         with contextlib.suppress(Exception):
             if request["ask"] == "nodes":
                 return {"nodes": [self._described(node) for node in self._nodes()]}

@@ -206,7 +206,7 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_found(self, station: Station, values: Values) -> bool:
-        """Return True once a goal runs, or enough was found to know of another client's."""
+        """Return True once a goal runs, or enough of the graph is known to tell that none does."""
         snapshot, publishes = station.robot.snapshot, station.robot.publications.active
         found = snapshot.offered or snapshot.actions or publishes
         return station.running_goal is not None or bool(found)

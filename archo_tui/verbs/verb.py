@@ -85,7 +85,7 @@ class Question(NamedTuple):
     goal: Goal | None = None
 
     def is_over(self, running: Goal | None) -> bool:
-        """Return True once the goal that it is about has ended; a station tells which one runs."""
+        """Return True once the goal that it is about is not the running one any more."""
         if self.goal is None or running is None:
             return self.goal is not None
         if self.goal.number:

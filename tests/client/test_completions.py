@@ -154,7 +154,7 @@ async def test_the_question_of_a_completion_is_never_a_stop(words: tuple[str, ..
 def test_without_a_console_nothing_is_offered_and_nothing_complained(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for words in (["go", ""], ["go", "--to", ""], ["stop", ""]):
+    for words in (["go", ""], ["go", "--to", ""], ["stop", ""], ["mcp", "--to", ""]):
         assert fitting(words) == []
     assert capsys.readouterr() == ("", "")
 

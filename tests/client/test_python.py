@@ -421,7 +421,7 @@ async def test_what_is_sent_after_its_time_is_not_sent() -> None:
 # consoles that hang or go
 
 
-async def test_a_console_is_given_up_and_the_robot_may_be_moving(
+async def test_of_a_console_that_is_given_up_the_robot_may_move(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[float] = []

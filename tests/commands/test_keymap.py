@@ -13,6 +13,7 @@ from archo_tui.cli import main
 from archo_tui.screen.commands import keymap, registry
 from archo_tui.screen.commands.base import Command, readable_key
 from tests.support.archo import ARCHO
+from tests.support.console import PANEL_KEYS
 from tests.support.states import NORMAL
 from tests.support.stub import stub_app
 
@@ -172,5 +173,5 @@ async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None
         assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
         assert app.screen is not app.main
         lines = [strip.text for strip in app.main._compositor.render_strips()]
-        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels  f2 Help" in lines[-1]
+        assert f" x Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels  f2 Help" in lines[-1]
         assert any("Press x, type the shelf" in line for line in lines)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.screen.widgets.field import Field
-from tests.support.console import FAST, LONG, console, screen_text, send
+from tests.support.console import FAST, LONG, PANEL_KEYS, console, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, stub_app
@@ -22,7 +22,7 @@ async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> 
     async with console(*LONG, in_field=True) as op:
         assert "enter Go" in op.text
         assert "esc Leave  ^c Cancel  ^x STOP  r Reset  ? Help  q Quit" in op.text
-        assert "1-8 Panels" not in op.text
+        assert f"{PANEL_KEYS} Panels" not in op.text
         await op.press("question_mark")
         assert "Here, in Go to shelf" in op.text
         await op.press("escape", "1")
@@ -37,7 +37,7 @@ async def test_escape_leads_from_the_field_to_the_panels() -> None:
     async with console(*FAST, in_field=True) as op:
         await op.press("escape")
         assert op.focused_panel == 4
-        assert "1-8 Panels" in op.text
+        assert f"{PANEL_KEYS} Panels" in op.text
         await op.press("5")
         assert op.focused_panel == 5
 

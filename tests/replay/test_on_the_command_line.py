@@ -129,6 +129,21 @@ def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
     assert told[-1].endswith("YOU console: STOP: confirmed")
 
 
+def test_an_alarm_is_told_before_what_followed_its_beginning(tmp_path: Path) -> None:
+    begin = 1_700_000_000
+    alarm = {"name": "stopped", "text": "STOPPED", "since": begin + 1.0}
+    messages = [
+        (0, STATE, String(data="{}")),
+        (2, JOURNAL, Log(level=20, name="console", msg="YOU: go to shelf 12: accepted")),
+        (3, STATE, String(data=json.dumps({"alarms": [alarm]}))),
+        (4, JOURNAL, Log(level=20, name="console", msg="YOU: STOP: confirmed")),
+    ]
+    write(tmp_path, [received((begin + at) * 10**9, topic, one) for at, topic, one in messages], {})
+    bag_file = BagFile(tmp_path)
+    _, *told = report_lines(bag_file, load_robot_file(bag_file, ""))
+    assert [line[:8] for line in told] == [time_of_day(begin + at) for at in (1, 2, 4)]
+
+
 def test_the_robot_is_as_the_recording_says_unless_another_file_is_given(tmp_path: Path) -> None:
     folder = tmp_path / "bag"
     folder.mkdir()

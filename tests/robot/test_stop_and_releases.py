@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import Any
 
 import pytest
@@ -112,6 +113,19 @@ async def test_an_earlier_release_does_not_end_a_stop_that_cannot_be_sent() -> N
         assert (await ended(release)).ok
         assert (await ended(stop)).code == Code.NOT_OFFERED
         assert it.snapshot.open_stop is not None
+
+
+async def test_an_open_stop_finds_its_server_before_the_graph_is_polled_again() -> None:
+    made: list[Node] = []
+    async with robot(making(made, Node, "somebody")) as it:
+        it.stops.register()
+        assert (await ended(it.emergency_stop())).code == Code.NOT_OFFERED
+        it._poller._next = math.inf  # As on a graph of many names, which rests long.
+        await until(lambda: made[0].executor is not None)
+        executor: Any = made[0].executor
+        executor.create_task(executor.add_node, Busy(context=made[0].context))
+        await until(lambda: it.snapshot.open_stop is None)
+        assert it.snapshot.latch is Latch.HELD
 
 
 async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import get_args
 
@@ -95,6 +95,8 @@ def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
     assert made.battery.types["sensor_msgs/msg/BatteryState"].percentage.scale == 1
     unknown = BATTERY.__class__(**{**vars(BATTERY), "values": {"percentage": float("nan")}})
     assert "its percentage is not a number" in text(unknown)
+    percent = replace(unknown, types=("archo_interfaces/msg/BatteryStatus",))
+    assert "its percentage is not a number" in text(percent)
 
 
 def test_a_number_is_a_battery_only_by_the_name_of_its_topic() -> None:
@@ -266,6 +268,14 @@ def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:
     ]
     assert goal.remaining is not None
     assert (goal.remaining.field, goal.message) == ("distance_left", "message")
+
+
+def test_of_several_poses_each_label_has_the_name_of_its_pose() -> None:
+    poses = {name: "geometry_msgs/Pose" for name in ("pose", "pose.inner", "pose_behind")}
+    (goal,) = robot(action("/plan", "own_msgs/action/Plan", goal=poses)).goals
+    labels = [field.label for field in goal.form.values()]
+    words = ("x", "y", "yaw")
+    assert labels == [f"{name} {word}" for name in ("pose", "pose_behind") for word in words]
 
 
 def test_the_left_wheel_is_not_what_is_left_of_a_goal() -> None:

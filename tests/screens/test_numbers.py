@@ -9,6 +9,7 @@ import pytest
 
 from archo_tui.robot.state.graph import NodeState, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
 from archo_tui.text.state import PLAIN, charge_bar, marked_tone, plain_text
 from tests.support.clock import NOW, TIME
@@ -55,8 +56,9 @@ def numbers(snapshot: Snapshot) -> set[str]:
     """Every number that the screen may show."""
     known = "98.7 96.5 9.87 9753 987.6 97.5 890.1 90 95.1 94.2 10.3 0.9 97.3 9765 90.05"
     ranges = "987654.25 91.125 98765.5 9.5"
-    fixed = "20 1 2 3 4 5 6 7 8 10 0 100 99 1000 0.5 5"  # panels, scales, the low mark
-    return {*known.split(), *ranges.split(), *fixed.split(), "9 876 543"}
+    fixed = "20 1 10 0 100 99 1000 0.5 5"  # scales, the low mark
+    panels = (str(panel.number) for panel in PANELS)
+    return {*known.split(), *ranges.split(), *fixed.split(), *panels, "9 876 543"}
 
 
 def tokens(line: str) -> Iterator[str]:

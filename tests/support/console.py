@@ -21,6 +21,7 @@ from archo_tui.base.handover import Handover
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.app import ArchoApp
 from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.panel import Panel
 from archo_tui.screen.widgets.rows import Rows
 from archo_tui.session.options import Options
@@ -30,6 +31,8 @@ from tests.support.quiet import Quiet
 from tests.support.stub import sized
 from tests.support.waiting import DEADLINE, wait_until
 
+# the keys of all panels, as the footer has them
+PANEL_KEYS = f"1-{len(PANELS)}"
 # the first reading of the battery comes at once, not within a second
 AT_ONCE = ("-p", "publish_period:=0.05")
 # the textbook's move in a tenth of the time

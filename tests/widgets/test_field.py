@@ -14,7 +14,7 @@ from textual.screen import Screen
 from archo_tui.screen.commands.parameters import EditParameter
 from archo_tui.screen.widgets.bars import FooterKey, footer
 from archo_tui.screen.widgets.field import Field
-from tests.support.console import FAST, LONG, console
+from tests.support.console import FAST, LONG, PANEL_KEYS, console
 
 _EDITING = ("backspace", "delete", "left", "right", "home", "end", "ctrl+u", "ctrl+k", "ctrl+w")
 
@@ -164,7 +164,7 @@ async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
 
 async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() -> None:
     async with console() as op:
-        await op.until("g Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels")
+        await op.until(f"g Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels")
         await op.press("g")
         assert op.text.splitlines()[-1].startswith(
             " enter Go  ↑ ↓ Recent goals  esc Leave  ^c Cancel  ^x STOP  "
@@ -172,7 +172,7 @@ async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() ->
         await op.press("escape", "4", "slash")
         await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
         await op.press("escape")
-        await op.until("1-8 Panels")
+        await op.until(f"{PANEL_KEYS} Panels")
 
         await op.press("4", "slash", *"abcdefghij" * 20, "1", "2", "3")
         field = op.app.focused

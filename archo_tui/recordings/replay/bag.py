@@ -274,7 +274,10 @@ class BagFile:
         return index
 
     def _readable_topics(self, path: Path, index: Index) -> dict[int, str]:
-        """Return the topics that can be decoded, by channel; the others become faults."""
+        """Return the topics that can be decoded, by channel; others become faults.
+
+        Of the former, type and class are noted by topic.
+        """
         encodings = {channel.message_encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
             if index.profile == "ros1":

@@ -71,8 +71,8 @@ class Budget:
         if self._bytes < 0:
             raise BudgetExceeded(f"more than {_MAX_BYTES // 10**9} GB")
 
-    def describe(self, size: int) -> None:
-        """Take off a definition or channel of so many bytes, or raise Unreadable."""
+    def spend_description(self, size: int) -> None:
+        """Take a definition or channel of so many bytes off, or raise Unreadable."""
         self._described -= size + _DESCRIPTION
         if self._described < 0:
             raise Unreadable(f"all of them are larger than {_MAX_DESCRIBED // 10**6} MB")
@@ -158,10 +158,10 @@ class Index:
             if opcode == _HEADER:
                 self.profile = stream.read_prefixed_string()
             elif opcode == _SCHEMA and number not in self.schemas:
-                self._budget.describe(len(content))
+                self._budget.spend_description(len(content))
                 self.schemas[number] = records.Schema.read(stream)
             elif opcode == _CHANNEL and number not in self.channels:
-                self._budget.describe(len(content))
+                self._budget.spend_description(len(content))
                 self.channels[number] = records.Channel.read(stream)
             elif opcode == _ATTACHMENT and not self.robot:
                 crc = int.from_bytes(content[-4:], "little")  # 0: the writer left it out.

@@ -252,7 +252,7 @@ class Player:
     def marks(self) -> list[TimelineMark]:
         """The events and alarms of the loaded hour read so far, in the order of time."""
         shown = (mark for mark in self._window.marks if mark.text)
-        return sorted(shown, key=lambda mark: mark.time)
+        return sorted(shown, key=itemgetter(0))
 
     def step_mark(self, step: int) -> TimelineMark | None:
         """Pause at the next loaded mark (1) or the one before (-1), if any, and return it."""
@@ -388,7 +388,7 @@ def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
     window, state = _Window(bag.start, bag.end), ReplayState(file, bag.types)
     for _ in window.fill(state, bag.messages(bag.start, bag.end, state.topics)):
         pass
-    for mark in window.marks:
+    for mark in sorted(window.marks, key=itemgetter(0)):  # An alarm is told after its beginning.
         yield f"{time_of_day(mark.time)}  {mark.line}"
     if window.unreadable:
         yield f"{window.unreadable} messages are unreadable"

@@ -578,7 +578,7 @@ class Goals:
                 self._become(record, record.state.node_left(self._clock.monotonic()))
 
     def forget_periods(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
-        """Measure the periods of feedback again: a parameter of a node that serves has changed."""
+        """Measure the periods of feedback again: a node that serves some goals changed."""
         for record in self._running.values():
             is_its = served(record.state.goal.kind)
             record.state = record.state.period_changed(old if is_its else None, new)
