@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import select
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -280,3 +282,20 @@ def test_a_file_that_ends_its_process_is_told(launcher: Launcher, workspace: Wor
     path = launcher.write("import os\nos._exit(7)")
     with pytest.raises(LaunchFileError, match="it ended Python, exit code 7"):
         evaluate(str(path), workspace, launcher.prefix, {})
+
+
+def test_code_that_hangs_ends_in_time_though_who_asked_was_killed() -> None:
+    code = (
+        "from archo_tui.user_code.ros_launch.child_process import serve\n"
+        "serve(lambda _: exec('while True: pass'), lambda _: False)"
+    )
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen([sys.executable, "-c", code], **pipes) as child:  # type: ignore[call-overload]
+        child.stdout.close()
+        child.stderr.close()
+        child.stdin.write(b'{"seconds": 0.2, "request": null}')
+        child.stdin.close()
+        try:
+            assert child.wait(DEADLINE) == 0
+        finally:
+            child.kill()

@@ -124,8 +124,9 @@ def serve(answer: Callable[[Any], Any], is_own: IsOwn) -> None:
 
     def end(**answered: Any) -> None:
         with lock:
-            output.write(json.dumps(answered).encode() + b"\n")
-            output.flush()
+            with contextlib.suppress(OSError):  # Who asked was killed.
+                output.write(json.dumps(answered).encode() + b"\n")
+                output.flush()
             with contextlib.suppress(Exception):
                 sys.stdout.flush()
                 sys.stderr.flush()
