@@ -26,7 +26,6 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.screen.dialog import Confirm, Dialog
 from archo_tui.screen.main import PANELS, MainScreen
 from archo_tui.screen.terminal.app import COMMANDS, TerminalApp, start_worker
-from archo_tui.screen.terminal.stop_marks import InputTime
 from archo_tui.screen.widgets.bars import DURATIONS, FooterKey, Notice, with_newest
 from archo_tui.screen.widgets.panel import Panel, ScreenState
 from archo_tui.station import save_load
@@ -43,6 +42,13 @@ _AGREE_AFTER = 0.7  # Seconds: a key that is held down agrees to nothing.
 def readable_key(key: str) -> str:
     """Return a key as a person reads it: `^x` for `ctrl+x`, `?`, `enter`; "" for none."""
     return key if key in ("", "enter") else format_key(key).replace("ctrl+", "^")
+
+
+class InputTime(NamedTuple):
+    """The earliest time at which a key or a click can have been typed."""
+
+    at: float  # s, on the clock of `Message.time`
+    pause: float  # s since the input before was read
 
 
 class _Sent(NamedTuple):

@@ -32,7 +32,7 @@ from archo_tui.screen.main import TALL, WIDE
 from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.screen.widgets.field import Search
 from archo_tui.screen.widgets.graph_panel import GraphPanel
-from archo_tui.screen.widgets.line import Line, TextLines, content
+from archo_tui.screen.widgets.line import Line, content
 from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station.view import View
 from archo_tui.text.columns import Columns, Text
@@ -158,7 +158,7 @@ class TopicDialog(Dialog):
             columns=field_columns,
         )
         self._search = Search(self._rows, self._show_fields)
-        self._plot, self._ends = TextLines(), VerticalScroll(id="topic-ends")
+        self._plot, self._ends = Line(id="topic-plots"), VerticalScroll(id="topic-ends")
         self._box = Vertical(classes="dialog topic")
 
     def body(self) -> ComposeResult:
@@ -270,7 +270,7 @@ class TopicDialog(Dialog):
             if self._plot.styles.height is None or self._plot.styles.height.value != height:
                 self._plot.styles.height = height
             size = self._plot.size.width, height
-            self._plot.show(topic_plots(fields, self._view.plots, self._plotted, size))
+            self._plot.show_spans(*topic_plots(fields, self._view.plots, self._plotted, size))
 
     @property
     def _columns(self) -> Columns:

@@ -16,7 +16,7 @@ from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.screen.widgets.field import INTEGER, NUMBER, Button, Field
-from archo_tui.screen.widgets.line import Line, TextLines
+from archo_tui.screen.widgets.line import Line
 from archo_tui.screen.widgets.panel import Panel, ScreenState
 from archo_tui.text.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.text.state import BAD
@@ -81,7 +81,7 @@ class GoalPanel(Panel):
         # The goals that the arrows recall, the oldest first: a text for each field.
         self.typed: list[list[str]] = []
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
-        self._hint, self._bar = Line(id="goal-hint"), TextLines(id="goal-bar")
+        self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
 
     def compose(self) -> ComposeResult:
@@ -110,7 +110,7 @@ class GoalPanel(Panel):
         self._snapshot = snapshot
         width, rows = self._bar.size
         self.show_keys(view)
-        self._bar.show(goal_strip(snapshot.goal, width, rows))
+        self._bar.show_spans(*goal_strip(snapshot.goal, width, rows))
         go = "" if self.focused_field else view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
         line = goal_line(snapshot, view.now, ask, width)

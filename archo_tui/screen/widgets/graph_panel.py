@@ -71,6 +71,4 @@ class GraphPanel(ListPanel[ResourceRow]):
         drawn = view.second, view.snapshot.resources
         if drawn != self._drawn_inputs:
             self._drawn_inputs = drawn
-            rows = resource_rows(view)
-            known = {row: row for row in self.rows.items}  # Equal rows are not laid out again.
-            self.rows.show([known.get(row, row) for row in rows])
+            self.rows.show(resource_rows(view))

@@ -13,7 +13,7 @@ from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.topics.rows import Range
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screen.widgets.line import TextLines
+from archo_tui.screen.widgets.line import Line
 from archo_tui.screen.widgets.panel import FULL_SCREEN, Panel, ScreenState
 from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
@@ -155,7 +155,7 @@ class HistoryPanel(Panel, can_focus=True):
         super().__init__(snapshot)
         self._plots = plots(snapshot.file)
         self._span = 1  # Index in SPANS.
-        self._lines = TextLines()
+        self._lines = Line(id="plots")
         self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
@@ -175,7 +175,8 @@ class HistoryPanel(Panel, can_focus=True):
             self._drawn_inputs = drawn
             is_full = self.screen.has_class("-full")
             more = "" if is_full else f": press {view.key('history')}"
-            self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
+            lines = history_lines(self._plots, view, span, *self._lines.size, more)
+            self._lines.show_spans(*lines)
 
     def change_span(self, by: int) -> None:
         """Choose the next longer (1) or shorter (-1) span of SPANS, if there is one."""

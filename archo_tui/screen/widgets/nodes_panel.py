@@ -75,10 +75,6 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     return [(f"{glyph} {in_columns((row.label, ago, _rate(row)), columns, (1, 2), gap=1)}", style)]
 
 
-def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
-    return before if before is not None and before == now else now
-
-
 class NodesPanel(ListPanel[NodeRow]):
     """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
 
@@ -118,9 +114,7 @@ class NodesPanel(ListPanel[NodeRow]):
         drawn = (view.second, view.hosted, len(view.snapshot.nodes))
         if drawn != self._drawn_inputs:
             self._drawn_inputs = drawn
-            before = {row.name: row for row in self.rows.items}
-            # Equal rows stay the same objects, so that only changed ones are laid out.
-            self.rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
+            self.rows.show(node_rows(view))
         if self.rows.columns:
             titles = node_titles(self.rows.columns)
             self._titles.show(Content.styled(titles if self.rows.items else "", "bold"))

@@ -15,20 +15,19 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.screen.widgets.line import LineWidget
 from archo_tui.text.columns import QUIET, Columns, Text, crop
 from archo_tui.text.state import not_drawn
 
 T = TypeVar("T")
 
 
-class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
+class Rows(ScrollView, Generic[T], can_focus=True):
     """A list with a cursor, whose cost depends on the visible items only."""
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
-    without_focus = False  # True if the cursor is shown without the focus, too.
+    without_focus = False  # True: the cursor needs no focus, and the first click on a row acts.
 
     def __init__(
         self,
@@ -52,6 +51,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         self._lines: list[Sequence[Text]] = []
         self._starts: list[int] = []
         self._drawn_lines: dict[int, tuple[Text, bool]] = {}  # What each visible line shows.
+        self._base = Style()  # Of a blank cell.
         self._measure = columns
         self.columns: Columns = ()  # Of the last layout.
         self._width = 0  # The width of the layout; the widget's own may be newer.
@@ -160,10 +160,14 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         return size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
-        """Lay out the items, or (if `is_changed` is False) new objects only; return the lines."""
-        known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
-        self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
-        self._laid_out = self._items  # Keeps the objects alive, whose ids are the keys above.
+        """Lay out the items, or (if `is_changed` is False) what differs only; return the lines."""
+        pairs = () if is_changed else zip(self._laid_out, self._lines, strict=True)
+        known = {self._key(item): (item, lines) for item, lines in pairs}
+        self._lines = []
+        for item in self._items:
+            before, lines = known.get(self._key(item), (None, ()))
+            self._lines.append(lines if before == item else self._draw_item(item))
+        self._laid_out = self._items
         *self._starts, total = accumulate(map(len, self._lines), initial=0)
         return total
 
@@ -190,12 +194,16 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
     def _number_at(self, row: int) -> int:
         return bisect_right(self._starts, row) - 1 if self._wraps else row
 
+    def render_lines(self, crop: Region) -> list[Strip]:
+        self._base = self.rich_style  # Computed once: it depends on all ancestors.
+        return super().render_lines(crop)
+
     def render_line(self, y: int) -> Strip:
         seen = self._line_at(self.scroll_offset.y + y)
         self._drawn_lines[y] = seen
         (text, style), selected = seen
         width, text = self.size.width, crop(text, self._width)
-        base = self.base
+        base = self._base
         tones = self.app.theme_variables
         words = (tones[word[1:]] if word.startswith("$") else word for word in style.split())
         drawn = base + Style.parse(" ".join(words) or "none")
@@ -227,9 +235,9 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         if not 0 <= row < self.virtual_size.height:
             return
         number = self._number_at(row)
-        if number != self.cursor or not self.shows_cursor:
-            self.move_to(number)
-        elif self._action:
+        acts = self.without_focus or (number == self.cursor and self.shows_cursor)
+        self.move_to(number)
+        if acts and self._action:
             await self.run_action(self._action)
 
     def _scroll_to_cursor(self) -> None:
