@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.screen.widgets.field import Field
-from tests.support.console import FAST, LONG, console, screen_text, send
+from tests.support.console import FAST, LONG, console, focused_panel, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, stub_app
@@ -54,7 +54,7 @@ async def test_a_field_out_of_sight_does_not_have_the_focus(size: tuple[int, int
     app = stub_app(NORMAL, StandingClock(), size=size, in_field=True)
     async with app.run_test(size=size):
         assert not isinstance(app.focused, Field)
-        assert app.main.focused_panel == 4
+        assert focused_panel(app) == 4
 
 
 async def test_typing_in_a_field_that_went_out_of_sight_shows_it() -> None:

@@ -156,7 +156,6 @@ class HistoryPanel(Panel, can_focus=True):
         self._plots = plots(snapshot.file)
         self._span = 1  # Index in SPANS.
         self._lines = Line(id="plots")
-        self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
         yield self._lines
@@ -170,9 +169,7 @@ class HistoryPanel(Panel, can_focus=True):
         self.show_keys(view, "since the start" if span < chosen else last)
         latest = current_values(view.snapshot, view.now)
         known = tuple(value is not None for value in latest.values())
-        drawn = (view.second, span, self._lines.size, view.snapshot.history, known)
-        if drawn != self._drawn_inputs:
-            self._drawn_inputs = drawn
+        if self.is_news(view.second, span, self._lines.size, view.snapshot.history, known):
             is_full = self.screen.has_class("-full")
             more = "" if is_full else f": press {view.key('history')}"
             lines = history_lines(self._plots, view, span, *self._lines.size, more)

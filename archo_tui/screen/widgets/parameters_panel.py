@@ -125,8 +125,7 @@ class ParametersPanel(ListPanel[Parameter]):
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
             empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
-        self.rows.empty = empty
-        self.rows.show(shown)
+        self.rows.show(shown, empty)
         changed = "what differs from the start" if self._only_changed else ""
         self.show_narrowed(changed, self.search.show_count(len(shown), total))
         self._show_titles()
