@@ -86,8 +86,23 @@ async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> Non
         assert op.focused_panel == 6
 
 
-async def test_page_keys_move_by_what_is_seen() -> None:
+async def test_a_warning_that_repeats_is_the_newest_and_page_keys_move_by_what_is_seen() -> None:
     async with console(*FAST) as op:
+        note = op.app.station.robot.note
+        note("WARN", "a", "first kind 1.0")
+        await op.until("first kind 1.0")
+        first = op.line("first kind")[2:10]
+        await op.at(seconds() + 5)
+        note("WARN", "b", "second kind")
+        await op.until("second kind")
+        await op.at(seconds() + 5)
+        note("WARN", "a", "first kind 2.0")
+        await op.until(f"first kind 2.0   x 2 since {first}")
+        lines = [line for line in op.text.splitlines() if " kind" in line]
+        assert ["first" in line for line in lines] == [True, False]  # the newest on top
+        assert lines[0][2:10] > lines[1][2:10] > first
+
+        await op.press("escape", "escape")
         for number in range(60):
             op.app.station.robot.note("YOU", "console", f"line {'x' * number}")
         await op.until(f"line {'x' * 59}")
@@ -191,23 +206,6 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 def nodes_of(text: str) -> list[str]:
     """The lines of the nodes' panel that have an age."""
     return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:54])]
-
-
-async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_time() -> None:
-    async with console(*FAST) as op:
-        note = op.app.station.robot.note
-        note("WARN", "a", "first kind 1.0")
-        await op.until("first kind 1.0")
-        first = op.line("first kind")[2:10]
-        await op.at(seconds() + 5)
-        note("WARN", "b", "second kind")
-        await op.until("second kind")
-        await op.at(seconds() + 5)
-        note("WARN", "a", "first kind 2.0")
-        await op.until(f"first kind 2.0   x 2 since {first}")
-        lines = [line for line in op.text.splitlines() if " kind" in line]
-        assert ["first" in line for line in lines] == [True, False]  # the newest on top
-        assert lines[0][2:10] > lines[1][2:10] > first
 
 
 async def test_the_events_that_are_shown_are_saved_with_their_commands(
