@@ -33,20 +33,17 @@ async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> 
         await op.until("STOPPED")
 
 
-async def test_escape_leads_from_the_field_to_the_panels() -> None:
+async def test_an_early_enter_sends_nothing_and_escape_leads_to_the_panels() -> None:
     async with console(*FAST, in_field=True) as op:
+        await op.press("enter", "enter")
+        assert op.app.view.snapshot.goal is None
+        assert len(op.app.screen_stack) == 1
+
         await op.press("escape")
         assert op.focused_panel == 4
         assert "1-8 Panels" in op.text
         await op.press("5")
         assert op.focused_panel == 5
-
-
-async def test_an_early_enter_sends_nothing() -> None:
-    async with console(*FAST, in_field=True) as op:
-        await op.press("enter", "enter")
-        assert op.app.view.snapshot.goal is None
-        assert len(op.app.screen_stack) == 1
 
 
 @pytest.mark.parametrize("size", [(79, 40), (50, 15), (120, 19)])

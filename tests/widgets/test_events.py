@@ -120,7 +120,10 @@ async def test_a_warning_that_repeats_is_the_newest_and_page_keys_move_by_what_i
         assert events.selected.text in op.text
 
 
-async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
+async def test_y_copies_and_ctrl_s_saves_the_commands_of_events(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     async with console(*FAST) as op:
         await op.press("6", "y")
         await op.until("no event is selected")
@@ -138,6 +141,12 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until(lambda: op.app.clipboard == wanted)
         await op.press("home", "y")
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
+
+        await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
+        await op.until("Saved to events.txt")
+    (line,) = (tmp_path / "events.txt").read_text().splitlines()
+    assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
+    datetime.fromisoformat(line.partition("  ")[0])
 
 
 async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_room() -> None:
@@ -206,20 +215,6 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 def nodes_of(text: str) -> list[str]:
     """The lines of the nodes' panel that have an age."""
     return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:54])]
-
-
-async def test_the_events_that_are_shown_are_saved_with_their_commands(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    async with console(*FAST) as op:
-        await op.press("r")
-        await op.until("reset encoder: Encoder reset to zero")
-        await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
-        await op.until("Saved to events.txt")
-    (line,) = (tmp_path / "events.txt").read_text().splitlines()
-    assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
-    datetime.fromisoformat(line.partition("  ")[0])
 
 
 @pytest.mark.parametrize(
