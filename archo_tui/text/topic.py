@@ -66,21 +66,18 @@ def value_text(field: FieldView) -> str:
         return f"{base_name(field.type)} {field.first}".rstrip()
     if field.kind is FieldKind.MORE:
         return f"enter shows {SHOWN_ELEMENTS} more of {field.value}"
-    text = _value_text(field)
+    value = field.value
+    if field.is_time:
+        text = time_text(float(value or 0))
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, (int, float)):
+        text = number_text(value)
+    else:
+        text = harmless(str(value))
     if field.constant:
         return f"{text} {field.constant}"
     return f"{text} {field.unit}" if field.unit and text != "nan" else text
-
-
-def _value_text(field: FieldView) -> str:
-    value = field.value
-    if field.is_time:
-        return time_text(float(value or 0))
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (int, float)):
-        return number_text(value)
-    return harmless(str(value))
 
 
 def number_text(value: float, digits: int = 7) -> str:

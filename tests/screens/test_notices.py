@@ -11,7 +11,7 @@ def row_of(op: Console, text: str) -> int:
     return next(row for row, line in enumerate(op.text.splitlines()) if text in line)
 
 
-async def test_a_refusal_is_seen_for_8_s_or_until_its_cause_ends_and_an_error_longer() -> None:
+async def test_a_refusal_is_seen_for_8_s_or_until_its_cause_ends() -> None:
     async with console(*FAST) as op:
         before = row_of(op, "1 Battery")
         since = seconds()

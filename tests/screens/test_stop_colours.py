@@ -29,7 +29,7 @@ def stop_button(app: ArchoApp) -> Segment:
     return found
 
 
-async def test_stop_is_red_until_the_robot_is_stopped_which_has_the_colour_of_its_alarm() -> None:
+async def test_stop_is_red_until_stopped_has_the_colour_of_its_alarm() -> None:
     app = stub_app(STATES["normal"], StandingClock())
     async with app.run_test(size=(120, 36)) as pilot:
         quiet = Quiet(app)

@@ -86,7 +86,7 @@ async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> Non
         assert op.focused_panel == 6
 
 
-async def test_a_warning_that_repeats_is_the_newest_and_page_keys_move_by_what_is_seen() -> None:
+async def test_a_repeated_warning_is_the_newest_and_page_keys_move_by_pages() -> None:
     async with console(*FAST) as op:
         note = op.app.station.robot.note
         note("WARN", "a", "first kind 1.0")

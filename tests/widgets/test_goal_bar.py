@@ -43,7 +43,7 @@ SIZES = [((120, 36), 8), ((160, 48), 8), ((120, 29), 6), ((120, 44), 8), ((80, 3
 SIZES += [((200, 60), 8), ((79, 60), 6)]
 
 
-async def test_the_bar_is_thick_and_history_and_graph_are_in_sight_where_there_is_room() -> None:
+async def test_bar_history_and_graph_take_the_room_there_is() -> None:
     app = stub_app(DRIVING, StandingClock(), size=(120, 24))
     async with app.run_test(size=(120, 24)) as pilot:
         for (width, height), rows_of_goal in SIZES:

@@ -15,7 +15,7 @@ def history(op: Console) -> list[str]:
     return [f"{goal.target} {goal.word}" for goal in reversed(op.app.view.snapshot.history)]
 
 
-async def test_several_targets_are_driven_one_after_the_other_and_a_mistake_stays_said() -> None:
+async def test_several_targets_are_driven_in_turn_and_a_mistake_stays_said() -> None:
     async with console(*BRISK) as op:
         await op.press("g", *"12 7 3", "enter")
         await op.until("MOVING to 12")
