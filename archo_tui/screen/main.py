@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.content import Content
@@ -318,11 +317,6 @@ class MainScreen(Base):
         self._is_panel_chosen = True
         panel.take_focus()
         self.call_after_refresh(self._show_focused)
-
-    def on_screen_resume(self, event: events.ScreenResume) -> None:
-        """Keep Textual from setting all styles again before the first layout."""
-        if not self._is_laid_out:
-            event.refresh_styles = False
 
     def on_resize(self) -> None:
         """Set the heights of the panels, and draw and scroll once they are laid out."""

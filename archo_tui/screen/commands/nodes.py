@@ -38,7 +38,7 @@ class _NodeCommand(Command):
         row = desk.main.nodes.selected
         if row is None:
             return "no node is selected"
-        if not desk.main.nodes.shows_cursor:
+        if not desk.main.nodes.rows.shows_cursor:
             return "no node is selected: choose one with ↑ ↓ first"
         if not row.hosted:
             return f"{row.name} does not run in this process"

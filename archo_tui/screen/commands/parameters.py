@@ -76,7 +76,7 @@ class SwitchBoolean(_SetCommand):
     waits_for_answer = True
 
     def disabled_reason(self, desk: Desk) -> str:
-        if not desk.main.parameters.shows_cursor:
+        if not desk.main.parameters.rows.shows_cursor:
             return "no parameter is selected: choose one with ↑ ↓ first"
         selected = desk.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):

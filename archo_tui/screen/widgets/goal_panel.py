@@ -146,10 +146,6 @@ class GoalPanel(Panel):
         ):
             field.fill(text)
 
-    def set_typed(self, typed: list[list[str]]) -> None:
-        """Set the goals that the arrow keys recall, the oldest first; begin behind the newest."""
-        self.typed, self._typed_index = typed, len(typed)
-
     def _on_changed(self) -> None:
         """Remove the hint, call `on_typed`, and scroll the panel into view if a field has text."""
         self.show_hint()
@@ -196,7 +192,8 @@ class GoalPanel(Panel):
             field.clear()
         if self.fields:
             self.screen.set_focus(self.fields[0])
-        self.set_typed([*[old for old in self.typed if old != typed], typed][-_RECALLED:])
+        self.typed = [*[old for old in self.typed if old != typed], typed][-_RECALLED:]
+        self._typed_index = len(self.typed)
         self.send(goals)
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:

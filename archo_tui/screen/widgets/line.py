@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
+from typing import Any
 
 from rich.cells import cell_len
 from rich.style import Style
 from textual.content import Content
+from textual.geometry import Region
 from textual.style import Style as TextualStyle
 from textual.widgets import Static
 
@@ -73,6 +76,8 @@ def click(action: str) -> TextualStyle:
 class Line(Static):
     """A widget of one line of text, or of several, that is redrawn only when its text changes."""
 
+    _changed: Sequence[Region] = ()  # The lines that are being shown anew; none means all.
+
     def __init__(self, **options: str) -> None:
         super().__init__("", **options)  # type: ignore[arg-type]
         self._content: Content | None = None
@@ -84,10 +89,16 @@ class Line(Static):
         return Style()
 
     def show_spans(self, *lines: Spans) -> None:
-        """Show lines made of spans; equal spans change nothing."""
+        """Show lines made of spans, of which only those that differ are redrawn."""
         if lines != self._spans:
+            pairs = enumerate(zip_longest(self._spans, lines))
+            width = self.size.width
+            self._changed = [Region(0, y, width, 1) for y, (old, new) in pairs if old != new]
             self.show(Content("\n").join(map(content, lines)))
-            self._spans = lines
+            self._spans, self._changed = lines, []
+
+    def refresh(self, *regions: Region, **options: bool) -> Any:
+        return super().refresh(*(regions or self._changed), **options)
 
     def show(self, text: Content) -> None:
         """Show a text; an equal one is not drawn again."""

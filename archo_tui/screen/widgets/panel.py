@@ -194,10 +194,5 @@ class ListPanel(Panel, Generic[T]):
         return self.rows.item
 
     @property
-    def shows_cursor(self) -> bool:
-        """True once the operator has moved the focus or the cursor to the list."""
-        return self.rows.shows_cursor
-
-    @property
     def focus_target(self) -> Widget:
         return self.rows

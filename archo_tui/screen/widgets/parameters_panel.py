@@ -68,11 +68,9 @@ class ParametersPanel(ListPanel[Parameter]):
 
     def show(self, view: ScreenState) -> None:
         self.show_keys(view)
-        if view.replay and self._waiting == _WAITING:
-            self._waiting = NONE_RECORDED
-            self._refill()
-        if view.snapshot.parameters is not self._parameters:
-            self._parameters = view.snapshot.parameters
+        waiting = NONE_RECORDED if view.replay else _WAITING
+        if view.snapshot.parameters is not self._parameters or waiting != self._waiting:
+            self._parameters, self._waiting = view.snapshot.parameters, waiting
             self._refill()
         self._show_hidden_hint(view)
 
