@@ -9,8 +9,8 @@ import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
+from unittest.mock import Mock
 
 import jsonschema
 import pytest
@@ -247,7 +247,7 @@ def test_the_lines_of_the_page_are_commands_of_plain() -> None:
 
 @each_page
 def test_every_key_that_is_named_is_one(page: Path) -> None:
-    there: Any = SimpleNamespace(file=ARCHO)  # of the player, no key asks for more
+    there: Any = Mock(file=ARCHO)  # The player.
     every = (*registry(ARCHO), *replay_commands(there, verbs(ARCHO, {})))
     known = {readable_key(command.key).replace("^", "ctrl+") for command in every}
     known |= {"tab", "esc", "p", "P", "t"}  # p, P, t: in the dialog of a topic

@@ -13,7 +13,7 @@ from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.commands import registry
-from archo_tui.screen.commands.base import Answers, Command, Work
+from archo_tui.screen.commands.base import Command, Work
 from archo_tui.screen.dialog import ShowText
 from archo_tui.screen.keyed_app import KeyedApp
 from archo_tui.screen.main import MainScreen
@@ -58,7 +58,7 @@ class ArchoApp(KeyedApp):
             commands = partial(replay_commands, player)
             main = MainScreen(snapshot, self.size, TimeLine(snapshot, player))
         self.set_up(commands, keys or {}, main)
-        main.goal.send = self._send_goals
+        main.goal.send, main.on_broken = self._send_goals, self._tell_broken
         self.stop_key = self.keys["stop"]
         self.bind_commands()
 
@@ -115,26 +115,25 @@ class ArchoApp(KeyedApp):
 
     # What the panels call.
 
-    def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
+    def _tell_broken(self, text: str) -> None:
         if self._player is not None:  # A replay has no events for it.
-            self.notify(message.text, severity="error", markup=False)
-            return
-        self.station.robot.note("ERROR", "console", message.text)
+            self.notify(text, severity="error", markup=False)
+        else:
+            self.station.robot.note("ERROR", "console", text)
 
     def _send_goals(self, goals: Sequence[Mapping[str, Any]]) -> None:
         go, values = self.verbs["go"], {GOALS: goals}
 
-        def send() -> Callable[[], Work]:
-            answer = go.run(self.station, values)
+        def send() -> Work:
+            answer = go.run(self.station, values)  # At once: goals keep their order.
             self.show_view()
-            return partial(self._show_refusal, answer)
+            return self._show_refusal(answer)
 
         question = go.question(self.station, values)
         if question is None:
-            start_worker(self, send(), COMMANDS)
+            self.run_worker(send(), group=COMMANDS)
         else:
-            answers: Answers = {question.go: lambda: send()()}
-            self.confirm(question.title, question.text, question.safe, answers)
+            self.confirm(question.title, question.text, question.safe, {question.go: send})
 
     async def _show_refusal(self, answer: Awaitable[Outcome]) -> None:
         """Wait for the answer to a goal, and show or remove a refusal in the goal's form."""

@@ -107,7 +107,6 @@ class ChoiceRows(Rows[Choice]):
 
     can_focus = False
     without_focus = True
-    on_choose: Callable[[], object]  # Called when a row was clicked, which has the cursor by then.
     typed = ""  # Its matches in the titles are bold and underlined.
 
     def highlight(self, typed: str) -> None:
@@ -126,16 +125,6 @@ class ChoiceRows(Rows[Choice]):
             before, lit, behind = strip.divide([begin, end, strip.cell_length])
             strip = Strip.join([before, lit.apply_style(_LIT), behind])
         return strip
-
-    async def on_click(self, event: events.Click) -> None:
-        row = self.scroll_offset.y + event.y
-        if 0 <= row < len(self.items):
-            self.move_to(row)
-            self.on_choose()
-
-    def move_to(self, number: int) -> None:
-        """Move the cursor to a row by its number, from 0; outside, to the first or last row."""
-        self._move(number - self.cursor)
 
 
 class Choose(Dialog):
@@ -156,13 +145,17 @@ class Choose(Dialog):
             id="narrow",
             placeholder="type a part of its name",
             changed=self._show_matches,
-            submitted=self._choose,
+            submitted=self.action_choose,
             stepped=self._step,
         )
         self._rows = ChoiceRows(
-            _lines, lambda choice: choice, id="choices", empty=self.empty_text, columns=_columns
+            _lines,
+            lambda choice: choice,
+            id="choices",
+            empty=self.empty_text,
+            action="screen.choose",
+            columns=_columns,
         )
-        self._rows.on_choose = self._choose
         self._count = Line(classes="count")
 
     def body(self) -> ComposeResult:
@@ -206,7 +199,8 @@ class Choose(Dialog):
         if event.widget in (self, *self.query("DialogHead, DialogHead Line")):  # Beside the box.
             self.dismiss()
 
-    def _choose(self) -> None:
+    def action_choose(self) -> None:
+        """Close the dialog and do what the selected row is for."""
         choice = self._rows.item
         if choice is None or not self.is_current:
             return

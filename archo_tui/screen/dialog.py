@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from textual.markup import escape
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.base.errors import ArchoError
 from archo_tui.base.paths import typed_path
 from archo_tui.robot.outcome import Outcome
@@ -28,8 +30,10 @@ from archo_tui.screen.widgets.field import Button, Field
 from archo_tui.screen.widgets.line import Line
 from archo_tui.screen.widgets.panel import ScreenState
 from archo_tui.screen.widgets.rows import Rows
+from archo_tui.text.columns import Columns, Text
 from archo_tui.text.state import not_drawn
 
+T = TypeVar("T")
 HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
@@ -83,18 +87,6 @@ class DialogHead(Vertical):
         self.display = bool(self.rows or main.notices)
 
 
-class DialogFooter(Line):
-    """The line at the bottom of a dialog: the keys that worked in dialogs when it was opened."""
-
-    def __init__(self) -> None:
-        super().__init__(classes="below")
-
-    def on_mount(self) -> None:
-        main = main_screen(self.app)
-        if main is not None:
-            self.show(main.everywhere_keys)
-
-
 class Dialog(ModalScreen[None], Base):
     """A dialog over the main screen, whose header and banner stay lit above, and STOP's key below.
 
@@ -123,6 +115,29 @@ class Dialog(ModalScreen[None], Base):
             return AwaitComplete()
         return super().dismiss(None) if self.is_active else AwaitComplete()
 
+    def ask(
+        self,
+        work: Callable[[], Awaitable[T]],
+        show: Callable[[T], object],
+        waiting: str = "",  # Shown until the answer has come.
+        group: str = COMMANDS,
+    ) -> None:
+        """Await an answer and show it; until then keys wait, and nothing else is asked."""
+        if self.is_asking:
+            return
+        self.is_asking = True
+        if waiting:
+            self.show_message(waiting)
+
+        async def answer() -> None:
+            try:
+                result = await work()
+            finally:
+                self.is_asking = False
+            show(result)
+
+        start_worker(self.app, answer, group)
+
     def stop_waiting(self) -> None:
         """Close the dialog for ctrl+c, though the answer that it waits for has not come."""
         self.dismiss()
@@ -149,7 +164,10 @@ class Dialog(ModalScreen[None], Base):
         self.head = DialogHead()
         yield self.head
         yield from self.body()
-        yield DialogFooter()
+        main, footer = main_screen(self.app), Line(classes="below")
+        if main is not None:
+            footer.show(main.everywhere_keys)
+        yield footer
 
     def on_descendant_focus(self) -> None:
         """Highlight the button that enter presses, while a field has the focus."""
@@ -223,9 +241,13 @@ class Form(Dialog):
         with Vertical(classes="dialog") as box:
             box.border_title = escape(str(self.title))
             box.border_subtitle = f"enter {self.submit_label.lower()}   esc cancel"
-            yield Static(Content(self.text_above))
+            yield from self.above_field()
             yield self.field
             yield from self.below_field()
+
+    def above_field(self) -> ComposeResult:
+        """Yield what stands above the field, for `body`: by default `text_above`."""
+        yield Static(Content(self.text_above))
 
     def below_field(self) -> ComposeResult:
         """Yield the line for messages, and the buttons, for `body`."""
@@ -267,9 +289,6 @@ class ShowText(Dialog):
             yield Static(Content(self._text))
 
 
-T = TypeVar("T")
-
-
 class ListDialog(Dialog, Generic[T]):
     """The base of dialogs with a list, which are as high as its rows."""
 
@@ -277,10 +296,18 @@ class ListDialog(Dialog, Generic[T]):
 
     keys_text: ClassVar[str] = "esc close"  # On the lower border.
 
-    def __init__(self, title: str, rows: Rows[T]) -> None:
+    def __init__(
+        self,
+        title: str,
+        lines: Callable[[T, int, Columns], Sequence[Text]],
+        key: Callable[[T], object],
+        *,
+        action: str = "",
+    ) -> None:
+        """Create the dialog; what the arguments are, `Rows` says."""
         super().__init__()
-        self.title, self.rows = title, rows
-        self.box = Vertical(rows, classes="dialog reading")
+        self.rows = Rows(lines, key, id=title.lower(), empty="", action=action, wraps=True)
+        self.title, self.box = title, Vertical(self.rows, classes="dialog reading")
 
     def body(self) -> ComposeResult:
         self.box.border_title, self.box.border_subtitle = self.title, self.keys_text
@@ -289,9 +316,9 @@ class ListDialog(Dialog, Generic[T]):
     def on_mount(self) -> None:
         self.set_focus(self.rows)
 
-    def show_items(self, items: Sequence[T]) -> None:
-        """Show other items in place of those before."""
-        self.rows.show(items)
+    def show_items(self, items: Sequence[T], empty: str | None = None) -> None:
+        """Show other items in place of those before, or a text in the place of none."""
+        self.rows.show(items, empty)
         self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
 
 
@@ -371,34 +398,51 @@ class Confirm(Dialog):
                 self._on_answer(self._answers[number])
 
 
-class AskPath(Form):
-    """A dialog with a field for a path, which stays open until the work with the path succeeds."""
+class AskText(Form):
+    """A dialog with a field, which stays open until the work with the typed text succeeds."""
 
     submit_label = "OK"
 
     def __init__(
-        self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
+        self, id: str, title: str, text: str, default: str, work: Callable[[str], Awaitable[str]]
     ) -> None:
         """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
-        text = f"{text}; a relative path starts at {Path.cwd()}:"
-        super().__init__("path", default, title=title, text=text)
+        super().__init__(id, default, title=title, text=text)
         self._work = work
 
     def submit(self, typed: str) -> None:
-        """Begin the work with the typed path, or show why it is none; a second call is ignored."""
-        try:
-            path = typed_path(typed.strip())
-        except ArchoError as error:
-            self.show_message(str(error))
-            return
-        if not self.is_asking:
-            self.is_asking = True
-            start_worker(self.app, partial(self._run_work, path), COMMANDS)
+        self.ask(partial(self._work, typed.strip()), self._show_failure)
 
-    async def _run_work(self, path: Path) -> None:
-        failure = await self._work(path)
+    def _show_failure(self, failure: str) -> None:
         if failure:
-            self.is_asking = False
             self.show_message(failure)
-            return
-        self.dismiss()
+        else:
+            self.dismiss()
+
+
+class AskPath(AskText):
+    """A dialog with a field for a path."""
+
+    def __init__(
+        self,
+        title: str,
+        text: str,
+        default: str,
+        work: Callable[[Path], Awaitable[str]],
+        *,
+        writes: bool = False,  # A file that exists is replaced if its path is entered twice.
+    ) -> None:
+        """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
+        text = f"{text}; a relative path starts at {Path.cwd()}:"
+        super().__init__("path", title, text, default, self._work_with_path)
+        self._of_path, self._writes, self._warned = work, writes, set[Path]()
+
+    async def _work_with_path(self, typed: str) -> str:
+        try:
+            path = typed_path(typed)
+        except ArchoError as error:
+            return str(error)
+        if self._writes and path not in self._warned and await in_daemon(os.path.exists, path):
+            self._warned.add(path)
+            return f"{path} already exists: press enter again to overwrite"
+        return await self._of_path(path)

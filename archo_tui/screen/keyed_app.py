@@ -5,28 +5,30 @@ from __future__ import annotations
 import asyncio
 import math
 import string
+from typing import NamedTuple
 
 from textual import events
 from textual.binding import Binding
 from textual.widget import Widget
 from textual.widgets import Input
 
-from archo_tui.screen.commands.base import EVERYWHERE, Command, Desk
+from archo_tui.screen.commands.base import EVERYWHERE, Command, Desk, InputTime
 from archo_tui.screen.dialog import Dialog
 from archo_tui.screen.main import MainScreen
-from archo_tui.screen.terminal.stop_marks import (
-    InputTime,
-    input_of,
-    mark_input,
-    mark_stops,
-    marks_of,
-    stops_before,
-    typed_after,
-)
+from archo_tui.screen.terminal.stop_marks import mark_stops, marks_of, stops_before, typed_after
 from archo_tui.screen.widgets.bars import NoticeLine
 from archo_tui.screen.widgets.field import Field
 from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station.station import Station
+
+
+class Entered(NamedTuple):
+    """A key, a paste, or a press or release of the mouse, as it was read."""
+
+    event: events.Event
+    repeated: bool  # Its key is held down.
+    read: InputTime
+
 
 # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s. They count
 # to when the key was surely not typed yet, which is 0.1 s earlier on an idle machine.
@@ -45,7 +47,7 @@ class KeyedApp(Desk):
 
     def __init__(self, station: Station, theme: str) -> None:
         super().__init__(station, theme)
-        self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
+        self._early: list[Entered] = []  # Typed before their target was there.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
         self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
         self._is_typed = False  # True if the current key goes to the focused widget.
@@ -105,30 +107,31 @@ class KeyedApp(Desk):
             return
         if stops_before(event) is None:  # It comes from another driver than the terminal's.
             mark_stops(event, self.stops.count)
-        if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
-            mark_input(event, self._read)
+        # A button acts as the mouse is released, for the input that the press was.
         repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
+        entered = Entered(event, repeated, self._read)
         if self._early and self._overtakes_waiting(event):
             self._early.clear()
             said = "What was typed while an answer is waited for is dropped."
             self.notify(said, severity="warning", markup=False)
         if self._early or not self._takes(event):
-            self._early.append((event, repeated))
+            self._early.append(entered)
             self.call_later(self._release)
         else:
-            await self._hand_on(event, repeated)
+            await self._hand_on(entered)
 
-    async def _hand_on(self, event: events.Event, repeated: bool) -> None:
+    async def _hand_on(self, entered: Entered) -> None:
         """Handle a key or a click, unless it was meant for a dialog that has gone."""
+        event = entered.event
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._works_everywhere(event):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
                 return
-        is_key = isinstance(event, events.Key) and not repeated
+        is_key = isinstance(event, events.Key) and not entered.repeated
         if is_key and isinstance(self.screen, (Dialog, MainScreen)):
             self.screen.forget_refusal()
-        await self._handle(event, repeated)
+        await self._handle(entered)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
         """Return True, with a message the first time, if a key was for a dialog just closed."""
@@ -179,7 +182,7 @@ class KeyedApp(Desk):
         return True
 
     def _record_input(self, event: events.Event) -> bool:
-        """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
+        """Note when a key, paste or press was read, and which STOPs came before it.
 
         True for a key that is held down: the same as the last one, within HELD, without a STOP
         between unless it is STOP's own.
@@ -190,7 +193,6 @@ class KeyedApp(Desk):
         typed = typed_after(event)
         at = event.time if typed is None else typed
         self._read, self._last_read = InputTime(at, at - self._last_read), event.time
-        mark_input(event, self._read)
         # Equal unless a STOP came between them.
         apart, self._last_stops = self._last_stops, stops_before(event)
         repeated = key != "" and key == before and self._earliest(event) - since < HELD
@@ -206,9 +208,10 @@ class KeyedApp(Desk):
         typed = typed_after(event)
         return self.station.clock.monotonic() if typed is None else typed
 
-    async def _handle(self, event: events.Event, repeated: bool) -> None:
+    async def _handle(self, entered: Entered) -> None:
         """Pass a key or a click on to Textual; do nothing for a held key that may not repeat."""
-        self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
+        event, repeated, self.input = entered
+        self.repeated, self._is_drawn = repeated, False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
                 return
@@ -303,21 +306,22 @@ class KeyedApp(Desk):
         Only escape and the keys that work everywhere do so, if the first of those that wait has
         waited for HELD: keys of one burst keep their order.
         """
-        first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
+        first, escapes = self._early[0].event, getattr(event, "key", "") == "escape"
         if event.time - first.time < HELD or not (escapes or self._works_everywhere(event)):
             return False
         return self._takes(event) and not self._takes(first)
 
     async def _release(self) -> None:
         """Hand on the next waiting key or click, or try again later."""
-        if self._early and self._takes(self._early[0][0]):
-            await self._hand_on(*self._early.pop(0))
+        if self._early and self._takes(self._early[0].event):
+            await self._hand_on(self._early.pop(0))
         if not self._early:
             return
-        if self._is_changing or self._takes(self._early[0][0]):
+        event = self._early[0].event
+        if self._is_changing or self._takes(event):
             await asyncio.sleep(0)
             self.call_later(self._release)
-        elif isinstance(self._early[0][0], events.MouseDown) and not self._is_drawn:
+        elif isinstance(event, events.MouseDown) and not self._is_drawn:
             self.call_after_refresh(self._drawn)
 
     def _drawn(self) -> None:

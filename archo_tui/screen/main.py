@@ -6,13 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.content import Content
 from textual.geometry import Region, Size
 from textual.markup import escape
-from textual.message import Message
 from textual.reactive import Reactive
 from textual.widget import Widget
 
@@ -84,13 +82,8 @@ class MainScreen(Base):
     ]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (TALL, "-tall"), (_HIGH, "-high")]
 
-    class Broken(Message):
-        """The message that a panel cannot be drawn, and why; posted when the reason is new."""
-
-        def __init__(self, text: str) -> None:
-            super().__init__()
-            self.text = text
-
+    # Called when a panel cannot be drawn, with the reason if that is new. Set by the owner.
+    on_broken: Callable[[str], object]
     # Textual's own reactive would redraw the whole screen. The widgets that gain and lose the
     # focus redraw themselves.
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)
@@ -197,11 +190,6 @@ class MainScreen(Base):
         found, parameters = super().nearest_focus, self.parameters.focus_target
         is_other = found is not self.focused and parameters in self.focus_chain
         return parameters if is_other else found
-
-    @property
-    def focused_panel(self) -> int:
-        """The number of the panel with the focus; 0 if no panel has it."""
-        return 0 if self.panel_with_focus is None else self.panel_with_focus.number
 
     @property
     def panel_with_focus(self) -> Panel | None:
@@ -330,16 +318,6 @@ class MainScreen(Base):
         self._is_panel_chosen = True
         panel.take_focus()
         self.call_after_refresh(self._show_focused)
-
-    def on_screen_resume(self, event: events.ScreenResume) -> None:
-        """Keep Textual from setting all styles again before the first layout."""
-        if not self._is_laid_out:
-            event.refresh_styles = False
-
-    def _screen_resized(self, size: Size) -> None:
-        """Lay out the screen for a size, unless the first layout was made for that size already."""
-        if self._is_laid_out or size != self.outer_size:
-            super()._screen_resized(size)
 
     def on_resize(self) -> None:
         """Set the heights of the panels, and draw and scroll once they are laid out."""
@@ -477,7 +455,7 @@ class MainScreen(Base):
 
     def forget_refusal(self) -> None:
         """Remove the refusal in the goal's form, since a key was pressed."""
-        self.goal.forget_hint()
+        self.goal.show_hint()
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:
         """Show the last view again in the panel that asks for it."""
@@ -494,13 +472,13 @@ class MainScreen(Base):
             self._show_error(panel, error)
 
     def _show_error(self, panel: Panel, error: Exception) -> None:
-        """Show in a panel's title why the panel cannot be drawn; post `Broken` if that is new."""
+        """Show in a panel's title why the panel cannot be drawn."""
         reason = harmless(f"cannot be drawn: {in_one_line(error)}")
         panel.show_title(escape(f"   ✗ {reason}"))
         panel.add_class("-broken")  # It hides the old content, but not the buttons.
         if self._broken.get(panel) != reason:
             self._broken[panel] = reason
-            self.post_message(self.Broken(f"panel {panel.number} {reason}"))
+            self.on_broken(f"panel {panel.number} {reason}")
 
 
 def _tab_order(widget: Widget) -> tuple[int, bool]:

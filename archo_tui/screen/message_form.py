@@ -16,12 +16,11 @@ from textual.widgets import Label, Static
 from archo_tui.base.yaml_text.bounded_yaml import load
 from archo_tui.base.yaml_text.core_schema import YamlFault
 from archo_tui.base.yaml_text.dump import block
-from archo_tui.robot.messages.typed import default_text, parse_field, range_text
+from archo_tui.robot.messages.typed import FieldError, default_text, parse_all, range_text
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot_file.model import FormField
 from archo_tui.screen.dialog import Dialog
-from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.screen.widgets.field import Button, Field
 
 MAX_FIELDS = 12  # A message with more fields is edited as one YAML text.
@@ -132,9 +131,8 @@ class MessageForm(Dialog):
             return
         values = self._values_of_yaml() if self._is_yaml else self._values()
         if values is not None:
-            self.is_asking = True
-            self.show_message("asking the robot ...   esc stops waiting")
-            start_worker(self.app, partial(self._send_values, values), COMMANDS)
+            waiting = "asking the robot ...   esc stops waiting"
+            self.ask(partial(self._send, values), self.finish, waiting)
 
     def action_close(self) -> None:
         """Close the dialog; while an answer is due, warn that what was sent is not taken back."""
@@ -147,17 +145,17 @@ class MessageForm(Dialog):
 
     def _values(self) -> dict[str, Any] | None:
         """Return and remember the values by path; None after showing which is not valid."""
-        values = {}
-        for number, message_field in enumerate(self._message_fields):
-            text = self._typed[message_field.path] = self._fields[number].value
-            try:
-                given = self._form_field(message_field)
-                values[message_field.path] = parse_field(message_field, given, text)
-            except ValueError as error:
-                self.show_message(str(error))
-                self.set_focus(self._fields[number])
-                return None
-        return values
+        fields = {
+            of.path: field for of, field in zip(self._message_fields, self._fields, strict=True)
+        }
+        texts = {path: field.value for path, field in fields.items()}
+        self._typed.update(texts)
+        try:
+            return parse_all(self._message_fields, self._form, texts)
+        except FieldError as error:
+            self.show_message(str(error))
+            self.set_focus(fields[error.path])
+            return None
 
     def _values_of_yaml(self) -> dict[str, Any] | None:
         """Return and remember the YAML text's mapping; None after showing what is wrong."""
@@ -172,11 +170,6 @@ class MessageForm(Dialog):
             self.show_message("expected lines like 'field: value'")
             return None
         return values
-
-    async def _send_values(self, values: Mapping[str, Any]) -> None:
-        outcome = await self._send(values)
-        self.is_asking = False
-        self.finish(outcome)
 
 
 def default_yaml(message_fields: Sequence[TypedField]) -> str:

@@ -88,24 +88,18 @@ class Session:
         self._own_files = [] if options.attach else parameter_files.default_files()
         self._own_overrides = parameter_files.load_files(self._own_files)
         self._user_overrides = parameter_files.load_files(options.params_files)
-        self._folders = contextlib.ExitStack()  # That the packages of workspaces have got.
+        self._ends = contextlib.ExitStack()  # The last that `close` does.
         self._launch_file = self._read_launch_file()
         self._node_names, self._workspaces = find_nodes(options.node_files)
         if self._launch_file is not None:
             self._workspaces.append(self._launch_file.workspace)
         interfaces = self._activate()
-        # It imports rclpy, so the engine must have been activated.
-        from archo_tui.session.context import RclpyContext
-
-        self._rclpy = RclpyContext(
-            self._ros_args(),
-            options.domain_id,
-            has_program_threads=bool(options.node_files or options.launch)
-            and options.engine == engine.EMBEDDED,
-        )
-        self.context = self._rclpy.context
-        self._place = self._journal_place()
+        self.context = self._make_context()
+        file = (options.robot or robot_files.default_path()).absolute()
+        # Which robot this is: a later start finds a STOP of it in the journal by that.
+        self._place = {"file": str(file), **self._network()}
         self.journal = Journal(journal_file(), self._place)
+        self._ends.callback(self.journal.close)
         try:
             self._make_robot()
             self.station = self._make_station()
@@ -113,7 +107,7 @@ class Session:
             if options.handover is not None:
                 self._resume(options.handover)
             self._programs = self._user_programs()
-            self._folders.enter_context(package_shares(self._workspaces))
+            self._ends.enter_context(package_shares(self._workspaces))
             if self._programs:  # One may drive before the next has begun.
                 self._count_typed_stop()
                 self._open()
@@ -167,24 +161,54 @@ class Session:
 
             return RequestHandler(self.station)
 
-        def say(text: str) -> None:
-            self.robot.note("WARN", "console", text)
-
-        return Server(make_handler, self._hello(), self.robot.stops, say)
+        warn = partial(self.robot.note, "WARN", "console")
+        return Server(make_handler, self._hello(), self.robot.stops, warn)
 
     def _hello(self) -> dict[str, Any]:
         """Return what the socket first tells other programs: see docs/protocol.md."""
-        is_embedded = self.options.engine == engine.EMBEDDED
         return {
             "protocol": PROTOCOL,
             "version": __version__,
             "robot": self.file.name,
-            "namespace": self.options.namespace,
-            "engine": self.options.engine,
-            "domain": None if is_embedded else self.context.get_domain_id(),
+            **self._network(),
             "pid": os.getpid(),
             "watching": self.options.watch,
         }
+
+    def _network(self) -> dict[str, Any]:
+        """Return where the robot is, as the socket and the journal name it."""
+        is_embedded = self.options.engine == engine.EMBEDDED
+        return {
+            "namespace": self.options.namespace,
+            "engine": self.options.engine,
+            "domain": None if is_embedded else self.context.get_domain_id(),
+        }
+
+    def _make_context(self) -> Context:
+        """Initialize rclpy; ArchoError for wrong arguments. The engine must have been activated."""
+        import rclpy
+        from rclpy.context import Context
+        from rclpy.signals import SignalHandlerOptions
+
+        context, options = Context(), self.options
+        try:
+            rclpy.init(
+                args=self._ros_args(),
+                context=context,
+                domain_id=options.domain_id,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        except Exception as error:  # ROS has a dozen exceptions for bad arguments.
+            text = (str(error).splitlines() or [repr(error)])[0]
+            if text.startswith("["):  # rcl only lists the unknown arguments.
+                text = f"unknown ROS arguments: {text}"
+            raise ArchoError(text) from None
+        self._ends.callback(rclpy.try_shutdown, context=context)
+        if (options.node_files or options.launch) and options.engine == engine.EMBEDDED:
+            from archo_tui.user_code import thread
+
+            self._ends.callback(thread.install())  # Which restores Python's own functions.
+        return context
 
     def _activate(self) -> dict[str, Path]:
         """Activate the engine, and return the user's own interface packages, folders by name."""
@@ -206,12 +230,12 @@ class Session:
         from archo_tui.user_code.launch_file import LaunchFile
 
         launch_file = LaunchFile(*self.options.launch)
-        self._folders.callback(launch_file.close)
+        self._ends.callback(launch_file.close)
         return launch_file
 
     def _make_robot(self) -> None:
         """Make the black box, the client's node, and the host, which has no nodes yet."""
-        from archo_tui.recordings.console import ConsoleRecorder
+        from archo_tui.recordings.console import ConsoleRecorder, attachments
         from archo_tui.recordings.recorder import BlackBox
         from archo_tui.robot.robot import Robot
         from archo_tui.user_code.host import Host
@@ -220,7 +244,7 @@ class Session:
             state_file("recordings"),
             self._clock,
             lambda *event: self.robot.note(*event),
-            self._attachments,
+            lambda: attachments(self.file),
             self.options.recordings_limit,
             self.options.record,
         )
@@ -328,23 +352,17 @@ class Session:
         # Of a later STOP it is not sure that it has left.
         is_later = self.robot.stops.count > station.stops_before_restart
         is_stopped = is_later or bool(station.restart_blocker)
-        goals: list[list[Any]] = []
-        for goal in station.queue.waiting:
-            kind = goal.kind
-            if goal.requester.waits:
-                continue  # Its client was told.
-            goals.append([kind.id, kind.title, kind.action, kind.type, dict(goal.values)])
+        goals = [
+            [goal.kind.id, goal.kind.title, goal.kind.action, goal.kind.type, dict(goal.values)]
+            for goal in station.queue.waiting
+            if not goal.requester.waits  # Else its client was told.
+        ]
         return self.restart._replace(
             stop=is_stopped,
             goals=goals,
             edits=[*station.edits.edits],
             listening=self._listening,
         )
-
-    def _attachments(self) -> dict[str, str]:
-        from archo_tui.recordings.console import attachments
-
-        return attachments(self.file)
 
     def _watched_files(
         self, interfaces: dict[str, Path]
@@ -371,9 +389,7 @@ class Session:
             self.host.stop()
         if hasattr(self, "robot"):
             self.robot.close()
-        self.journal.close()
-        self._rclpy.shutdown()
-        self._folders.close()
+        self._ends.close()
         self._release_output()
 
     def _release_output(self) -> None:
@@ -384,16 +400,6 @@ class Session:
         """Give an event to the recorder and to the journal. Called on the robot's thread."""
         self._console_recorder.record_event(event)
         self.journal.record(event)
-
-    def _journal_place(self) -> dict[str, Any]:
-        """Return which robot this is, for the journal: a later start finds a STOP of it by that."""
-        is_embedded = self.options.engine == engine.EMBEDDED
-        return {
-            "file": str((self.options.robot or robot_files.default_path()).absolute()),
-            "namespace": self.options.namespace,
-            "engine": self.options.engine,
-            "domain": None if is_embedded else self.context.get_domain_id(),
-        }
 
     def _look_for_earlier_stop(self) -> None:
         """Tell the station of a STOP in the journal that no release followed, on a thread.
@@ -594,9 +600,7 @@ class Session:
         self.robot.close()
         stuck = self.host.stop()
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
-        self.journal.close()
-        self._rclpy.shutdown()
-        self._folders.close()
+        self._ends.close()
         self._release_output()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.

@@ -6,7 +6,7 @@ from archo_tui.base.clock import time_of_day
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.text.state import age_text, no_data_text
+from archo_tui.text.state import age_text, no_data_text, no_message_reason
 
 
 def timeline(alarm: Alarm) -> str:
@@ -50,8 +50,5 @@ def diagnostic_line(status: Diagnostic, now: float) -> str:
 def no_diagnostics_text(snapshot: Snapshot) -> str:
     """Return why the robot reports no status of its parts; call it only while that is so."""
     topic = snapshot.file.diagnostics
-    if not topic:
-        return "the robot file names no diagnostics"
-    if topic in snapshot.faults:
-        return snapshot.faults[topic]
-    return f"waiting for {topic}" if topic in snapshot.offered else f"no node publishes {topic}"
+    named = "the robot file names no diagnostics"
+    return no_message_reason(snapshot, topic) if topic else named

@@ -11,11 +11,12 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.goal import NO_ESTIMATE, goal_line, remaining_text
 from archo_tui.text.state import (
     Spans,
+    battery_line,
     battery_word,
     motion_unit,
     motion_word,
     no_reading_reason,
-    time_factor_text,
+    speed_text,
 )
 
 _GLYPHS = "●○✗✓▲▶↯? "  # Each stands before a word with the same meaning.
@@ -35,20 +36,10 @@ def without_glyph(text: str) -> str:
 
 def battery_text(snapshot: Snapshot, now: float) -> str:
     """Return the battery as `GOOD, 87.5 %, 24.1 V`, or why it is not known."""
-    found = snapshot.battery
-    _, word, _ = battery_word(snapshot)
-    if found.received is None:
-        return f"{word}, {no_reading_reason(snapshot)}"
-    if found.unreadable:
-        return word
-    parts = [word]
-    if found.percentage is not None:
-        parts.append(f"{found.percentage:.1f} %")
-    if found.is_old(now):
-        parts.append(f"old, {now - found.received:.0f} s")
-    elif found.voltage is not None:
-        parts.append(f"{found.voltage:.1f} V")
-    return ", ".join(parts)
+    if snapshot.battery.received is None:
+        return f"{battery_word(snapshot)[1]}, {no_reading_reason(snapshot)}"
+    parts = (without_glyph(text).strip(" ()") for text, _ in battery_line(snapshot, now, _WIDTH))
+    return ", ".join(part for part in parts if not part.startswith("--"))
 
 
 def motion_text(snapshot: Snapshot, now: float) -> str:
@@ -59,8 +50,7 @@ def motion_text(snapshot: Snapshot, now: float) -> str:
     if found.count is not None:
         parts.append(f"{found.count} {motion_unit(snapshot, 'count') or ''}".rstrip())
     if found.speed is not None:
-        speed = f"{found.speed:.2f} {motion_unit(snapshot, 'speed') or ''}".rstrip()
-        parts.append(f"{speed} {time_factor_text(snapshot)}".rstrip())
+        parts.append(speed_text(snapshot))
     return ", ".join(parts)
 
 

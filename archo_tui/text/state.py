@@ -270,7 +270,11 @@ def no_reading_reason(snapshot: Snapshot) -> str:
     described = snapshot.file.battery
     if described is None:
         return "the robot file names no battery"
-    topic = described.topic
+    return no_message_reason(snapshot, described.topic)
+
+
+def no_message_reason(snapshot: Snapshot, topic: str) -> str:
+    """Return why no message of a topic was received; call it only while that is so."""
     if topic in snapshot.faults:
         return snapshot.faults[topic]
     return f"waiting for {topic}" if topic in snapshot.offered else f"no node publishes {topic}"

@@ -6,7 +6,6 @@ import math
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
-from typing import Any, Protocol
 
 from archo_tui.base.safe_text import harmless
 from archo_tui.robot.topics.rows import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
@@ -26,45 +25,6 @@ from archo_tui.text.state import (
     share,
     thousands,
 )
-
-
-class Counted(Protocol):
-    """The statistics of counted messages: see `Inspection`."""
-
-    count: int
-    size: int  # Bytes of all.
-    kept: int  # Messages that were sent before.
-    kept_size: int  # Bytes of these.
-    least: float | None  # Between two messages, in s; None with fewer than two.
-    greatest: float | None
-
-    @property
-    def rate(self) -> float | None:
-        """Return the messages in a second; None if that is not known."""
-
-
-def rate_text(
-    counted: Counted, seconds: float, known_rate: float | None
-) -> tuple[str, dict[str, Any]]:
-    """Return how often messages came and their size: a text, and the same as JSON values."""
-    count = counted.count - counted.kept
-    bytes_per_second = (counted.size - counted.kept_size) / seconds
-    rate = known_rate if counted.rate is None else counted.rate
-    data: dict[str, Any] = {
-        "messages": count,
-        "rate": rate,
-        "least": counted.least,
-        "greatest": counted.greatest,
-        "bytes_per_second": bytes_per_second,
-    }
-    sizes = f"{size_text(bytes_per_second)}/s"
-    if not count:
-        return f"no message in {seconds:g} s, but the last one that was sent before", data
-    hertz = "--" if rate is None else f"{rate:.1f}"
-    if counted.least is None or counted.greatest is None:
-        return f"{hertz} Hz, 1 message in {seconds:g} s, {sizes}", data
-    between = f"{counted.least:.3f} .. {counted.greatest:.3f} s between them"
-    return f"{hertz} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
 
 
 def size_text(size: float) -> str:
@@ -106,21 +66,18 @@ def value_text(field: FieldView) -> str:
         return f"{base_name(field.type)} {field.first}".rstrip()
     if field.kind is FieldKind.MORE:
         return f"enter shows {SHOWN_ELEMENTS} more of {field.value}"
-    text = _value_text(field)
+    value = field.value
+    if field.is_time:
+        text = time_text(float(value or 0))
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, (int, float)):
+        text = number_text(value)
+    else:
+        text = harmless(str(value))
     if field.constant:
         return f"{text} {field.constant}"
     return f"{text} {field.unit}" if field.unit and text != "nan" else text
-
-
-def _value_text(field: FieldView) -> str:
-    value = field.value
-    if field.is_time:
-        return time_text(float(value or 0))
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (int, float)):
-        return number_text(value)
-    return harmless(str(value))
 
 
 def number_text(value: float, digits: int = 7) -> str:

@@ -22,7 +22,7 @@ from archo_tui.ros.names import KINDS, base_name, is_name, package_of, parse_typ
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
 from archo_tui.text.graph import SILENT, resource_rows, transform_lines
-from archo_tui.text.topic import rate_text
+from archo_tui.text.topic import size_text
 from archo_tui.verbs.names import fields_of, full_name, topic_names, topics_of, type_of
 from archo_tui.verbs.verb import (
     ROBOT_TIMEOUT,
@@ -191,8 +191,32 @@ class Hz(_TopicVerb):
                 return await _silence_outcome(station, inspection.topic, LISTEN)
             known = station.robot.snapshot.message_rates.get(inspection.topic)
             hertz = None if known is None else known.hertz_at(station.clock.monotonic())
-            text, data = rate_text(inspection, LISTEN, hertz)
+            text, data = _rate_text(inspection, LISTEN, hertz)
             return Report.of(f"{inspection.topic}: {text}", data)
+
+
+def _rate_text(
+    counted: Inspection, seconds: float, known_rate: float | None
+) -> tuple[str, dict[str, Any]]:
+    """Return how often messages came and their size: a text, and the same as JSON values."""
+    count = counted.count - counted.kept
+    bytes_per_second = (counted.size - counted.kept_size) / seconds
+    rate = known_rate if counted.rate is None else counted.rate
+    data: dict[str, Any] = {
+        "messages": count,
+        "rate": rate,
+        "least": counted.least,
+        "greatest": counted.greatest,
+        "bytes_per_second": bytes_per_second,
+    }
+    sizes = f"{size_text(bytes_per_second)}/s"
+    if not count:
+        return f"no message in {seconds:g} s, but the last one that was sent before", data
+    hertz = "--" if rate is None else f"{rate:.1f}"
+    if counted.least is None or counted.greatest is None:
+        return f"{hertz} Hz, 1 message in {seconds:g} s, {sizes}", data
+    between = f"{counted.least:.3f} .. {counted.greatest:.3f} s between them"
+    return f"{hertz} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
 
 
 def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:

@@ -165,8 +165,24 @@ async def test_the_palette_says_what_can_be_done_now_and_keeps_its_rows_in_place
         assert op.app.screen is op.app.main
 
 
-async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -> None:
+async def test_arrows_and_pages_move_the_cursor_and_refusals_stand_below() -> None:
     async with console(*FAST) as op:
+        await op.press("ctrl+p", "down", "down", "up")
+        rows = op.app.screen.query_one(ChoiceRows)
+        assert rows.cursor == 1
+        await op.press("pagedown")
+        assert rows.cursor > 10
+        await op.press("pageup", "pageup")
+        assert rows.cursor == 0
+
+        await op.press("escape")
+        await op.press("ctrl+p", *"theme", "enter", *"nord")
+        row = op.app.screen.query_one(ChoiceRows).region
+        click(op.app, row.x + 3, row.y)
+        await op.until(lambda: op.app.theme == "nord")
+        assert op.app.screen is op.app.main
+
+        await op.press("escape", "escape")
         await op.press("ctrl+p")
         await op.type("release")
         line = op.line("Release the stop")
@@ -199,24 +215,6 @@ async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
         await op.settle()
         assert op.app.screen is op.app.main
         assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
-
-
-async def test_arrows_and_pages_move_the_cursor_and_a_click_takes_a_row() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", "down", "down", "up")
-        rows = op.app.screen.query_one(ChoiceRows)
-        assert rows.cursor == 1
-        await op.press("pagedown")
-        assert rows.cursor > 10
-        await op.press("pageup", "pageup")
-        assert rows.cursor == 0
-
-        await op.press("escape")
-        await op.press("ctrl+p", *"theme", "enter", *"nord")
-        row = op.app.screen.query_one(ChoiceRows).region
-        click(op.app, row.x + 3, row.y)
-        await op.until(lambda: op.app.theme == "nord")
-        assert op.app.screen is op.app.main
 
 
 async def test_a_watching_console_says_why_nothing_acts() -> None:

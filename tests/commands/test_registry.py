@@ -18,7 +18,7 @@ from archo_tui.screen.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Com
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.field import INTEGER
 from tests.support.archo import ARCHO
-from tests.support.console import send
+from tests.support.console import focused_panel, send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES
 from tests.support.stub import StandingClock, StubRobot, stub_app
@@ -135,7 +135,7 @@ async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
     for key in keys:
         send(app, key)
         await quiet.settle()
-    return app.main.focused_panel if app.screen is app.main else 0
+    return focused_panel(app) if app.screen is app.main else 0
 
 
 def works(command: Command, place: str, panel: int) -> bool:

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from textual.app import App
 
 from archo_tui.screen.widgets.bars import header
-from tests.support.console import FAST, click, console, screen_text, send
+from tests.support.console import FAST, click, console, focused_panel, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import stub_app
@@ -29,6 +29,13 @@ def bars(app: App[Any]) -> list[str]:
 
 async def test_parameters_that_nobody_changes_are_hidden_until_they_are_asked_for() -> None:
     async with console(*FAST) as op:
+        await op.press("full_stop")
+        before = op.app.view.snapshot.parameters
+        await op.press("space")
+        await op.until("no parameter is selected")
+        assert op.app.view.snapshot.parameters == before
+
+        await op.press("full_stop")
         await op.until(". shows 16 more")
         assert op.parameters == ["low_battery_threshold", "max_speed"]
         await op.press("4", "full_stop")
@@ -94,12 +101,12 @@ async def test_a_hidden_parameter_that_was_changed_is_shown() -> None:
         await op.until("shows 15 more")
 
 
-async def test_no_list_has_a_bar_before_somebody_comes_to_it() -> None:
+async def test_no_list_has_a_bar_before_somebody_comes_and_the_header_says_what_counts() -> None:
     app = stub_app(STATES["normal"])
     async with app.run_test(size=(120, 36)):
         quiet = Quiet(app)
         await quiet.settle()
-        assert app.main.focused_panel == 4
+        assert focused_panel(app) == 4
         assert bars(app) == []
         send(app, "down")  # shows which one is meant, and the next one moves
         await quiet.settle()
@@ -111,6 +118,16 @@ async def test_no_list_has_a_bar_before_somebody_comes_to_it() -> None:
             send(app, key)
             await quiet.settle()
             assert first in bars(app)[0]
+
+        await Quiet(app).settle()
+        assert header(app.view, 80).plain.endswith(" embedded ")
+        assert header(replace(app.view, namespace="/left"), 80).plain.endswith(" /left ")
+
+        await Quiet(app).settle()
+        view = replace(app.view, replay="REPLAY 2026-11-23 19:12:50")
+        assert header(view, 80).plain.startswith(" REPLAY 2026-11-23 19:12:50   ARCHO   ● online ")
+        for width in (11, 20, 31):
+            assert header(view, width).plain.startswith(" REPLAY 20")
 
 
 async def test_tab_and_a_click_bring_the_bar_too() -> None:
@@ -129,36 +146,10 @@ async def test_tab_and_a_click_bring_the_bar_too() -> None:
             assert len(app.screen_stack) == 1
 
 
-async def test_space_switches_nothing_that_is_not_seen_to_be_selected() -> None:
-    async with console(*FAST) as op:
-        await op.press("full_stop")
-        before = op.app.view.snapshot.parameters
-        await op.press("space")
-        await op.until("no parameter is selected")
-        assert op.app.view.snapshot.parameters == before
-
-
-async def test_only_a_namespace_that_tells_something_is_in_the_header() -> None:
-    app = stub_app(STATES["normal"])
-    async with app.run_test(size=(120, 36)):
-        await Quiet(app).settle()
-        assert header(app.view, 80).plain.endswith(" embedded ")
-        assert header(replace(app.view, namespace="/left"), 80).plain.endswith(" /left ")
-
-
-async def test_the_header_of_a_replay_says_so_in_the_smallest_terminal() -> None:
-    app = stub_app(STATES["normal"])
-    async with app.run_test(size=(120, 36)):
-        await Quiet(app).settle()
-        view = replace(app.view, replay="REPLAY 2026-11-23 19:12:50")
-        assert header(view, 80).plain.startswith(" REPLAY 2026-11-23 19:12:50   ARCHO   ● online ")
-        for width in (11, 20, 31):
-            assert header(view, width).plain.startswith(" REPLAY 20")
-
-
-@pytest.mark.parametrize("size", [(80, 24), (80, 30), (100, 30), (110, 24), (150, 30), (200, 60)])
-async def test_all_panels_have_room_from_80_x_24_on(size: tuple[int, int]) -> None:
-    app = stub_app(NORMAL, size=size)
-    async with app.run_test(size=size) as pilot:
-        await pilot.pause()
-        assert not app.main.query_one("#body").show_vertical_scrollbar
+async def test_all_panels_have_room_from_80_x_24_on() -> None:
+    app = stub_app(NORMAL, size=(80, 24))
+    async with app.run_test(size=(80, 24)) as pilot:
+        for size in ((80, 24), (80, 30), (100, 30), (110, 24), (150, 30), (200, 60)):
+            await pilot.resize_terminal(*size)
+            await Quiet(app).settle()
+            assert not app.main.query_one("#body").show_vertical_scrollbar, size

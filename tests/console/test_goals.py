@@ -41,7 +41,7 @@ async def test_the_way_left_and_the_time_are_shown_while_it_drives() -> None:
         await op.until("▶ MOVING")
 
 
-async def test_ctrl_c_cancels_while_typing() -> None:
+async def test_ctrl_c_or_the_button_cancels_also_while_typing() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("m left of")
@@ -58,6 +58,12 @@ async def test_ctrl_c_cancels_while_typing() -> None:
         assert remaining is not None
         assert 0 < remaining < 1000
         await op.until("● IDLE")
+
+        await op.press("ctrl+u", "escape")
+        await op.press("g", "5", "enter")
+        await op.until("MOVING to 5")
+        await op.pilot.click("#cancel")
+        await op.until("✗ CANCELLED")
 
 
 async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
@@ -120,14 +126,6 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
         await op.press("g", "5")
         await op.pilot.click("#go")
         await op.until("Arrived at shelf 5")
-
-
-async def test_the_cancel_button_cancels() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "5", "enter")
-        await op.until("MOVING to 5")
-        await op.pilot.click("#cancel")
-        await op.until("✗ CANCELLED")
 
 
 async def test_a_red_hint_leaves_with_the_next_key() -> None:

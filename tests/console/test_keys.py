@@ -93,7 +93,7 @@ async def test_letters_are_commands_again_behind_enter() -> None:
         assert op.app.query_one("#goal-0", Input).value == ""
 
 
-async def test_letters_do_nothing_behind_a_dialog() -> None:
+async def test_keys_of_dialogs_are_for_them_alone() -> None:
     async with console(*FAST) as op:
         await op.press("4", "full_stop", "ctrl+end", "enter")
         await op.until("ticks_per_revolution is read-only")
@@ -104,6 +104,66 @@ async def test_letters_do_nothing_behind_a_dialog() -> None:
         await op.until("no alarm to acknowledge")  # whatever r and c did is done by now
         assert "15 420 ticks" in op.text
         assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+        await op.press("escape", "escape")
+        await op.press("4")
+        assert "Press g, type the shelf, press enter." in op.text
+        await op.press("g")
+        assert "No goal yet. Type the shelf, press enter." in op.text
+
+        await op.press("escape", "escape")
+        await op.press("4", "question_mark")
+        await op.until("Here, in Parameters")
+        assert op.text.count("Undo your last change of a parameter") == 1
+        assert op.text.index("Undo") < op.text.index("Everywhere") < op.text.index("Suspend")
+        assert "In Parameters" not in op.text
+        await op.press(*"reset")
+        await op.until("Reset the encoder")
+        assert "Undo" not in op.text
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+        await op.press("4", "slash", "f1")
+        await op.until("Keys")
+        assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
+        await op.type("encoder")
+        await op.until("Reset the encoder")
+        assert "Go to panel" not in op.text
+        await op.press("f1")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+        await op.press("escape", "escape")
+        for opening, ending in (
+            (["question_mark"], "escape"),
+            (["A"], "q"),
+            (["4", "enter"], "escape"),
+            (["4", "ctrl+s"], "escape"),
+            (["5", "enter"], "q"),
+        ):
+            await op.press(*opening)
+            await op.until(lambda: op.app.screen is not op.app.main)
+            op.send(ending, ending)
+            await op.until(lambda: op.app.screen is op.app.main)
+            await op.pilot.pause()
+            while op.app.screen is not op.app.main:  # the second may have opened another
+                await op.press("escape")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("R")
+        await op.until("Release the stop?")
+        op.send("enter", "enter", "enter")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert "✗ STOPPED" in op.text
+
+        await op.press("escape", "escape")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        op.send(*["ctrl+x"] * 3)
+        await op.settle()
+        await op.press("R", "y")
+        await op.until("● IDLE")
+        assert op.app.stops.are_answered
+        assert op.app.station.restart_blocker == ""
 
 
 async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
@@ -173,31 +233,6 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         assert op.focused_panel == 3
 
 
-async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:
-    async with console(*FAST) as op:
-        for opening, ending in (
-            (["question_mark"], "escape"),
-            (["A"], "q"),
-            (["4", "enter"], "escape"),
-            (["4", "ctrl+s"], "escape"),
-            (["5", "enter"], "q"),
-        ):
-            await op.press(*opening)
-            await op.until(lambda: op.app.screen is not op.app.main)
-            op.send(ending, ending)
-            await op.until(lambda: op.app.screen is op.app.main)
-            await op.pilot.pause()
-            while op.app.screen is not op.app.main:  # the second may have opened another
-                await op.press("escape")
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
-        await op.press("R")
-        await op.until("Release the stop?")
-        op.send("enter", "enter", "enter")
-        await op.until(lambda: op.app.screen is op.app.main)
-        assert "✗ STOPPED" in op.text
-
-
 def _said(op: Console) -> list[str]:
     return [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
 
@@ -228,18 +263,6 @@ async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
         await op.until(lambda: _said(op))  # the screen shows it before the verb has ended
         await op.settle()
         assert len(_said(op)) == 1
-
-
-async def test_a_stop_key_that_was_held_leaves_nothing_to_be_answered() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
-        op.send(*["ctrl+x"] * 3)
-        await op.settle()
-        await op.press("R", "y")
-        await op.until("● IDLE")
-        assert op.app.stops.are_answered
-        assert op.app.station.restart_blocker == ""
 
 
 async def test_a_stop_that_a_watching_console_refuses_leaves_nothing_to_be_answered() -> None:
@@ -292,29 +315,6 @@ async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_
         await op.until("use the hardware stop")
 
 
-async def test_help_lists_the_keys_of_the_panel_first_and_narrows_by_what_is_typed() -> None:
-    async with console(*FAST) as op:
-        await op.press("4", "question_mark")
-        await op.until("Here, in Parameters")
-        assert op.text.count("Undo your last change of a parameter") == 1
-        assert op.text.index("Undo") < op.text.index("Everywhere") < op.text.index("Suspend")
-        assert "In Parameters" not in op.text
-        await op.press(*"reset")
-        await op.until("Reset the encoder")
-        assert "Undo" not in op.text
-        await op.press("escape")
-        assert op.app.screen is op.app.main
-
-        await op.press("4", "slash", "f1")
-        await op.until("Keys")
-        assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
-        await op.type("encoder")
-        await op.until("Reset the encoder")
-        assert "Go to panel" not in op.text
-        await op.press("f1")
-        await op.until(lambda: op.app.screen is op.app.main)
-
-
 async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:
     async with console(*LONG) as op:
         await op.press("g", "question_mark")
@@ -329,11 +329,3 @@ async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> 
         now = op.text.index("Now")
         assert op.text.index("Release the stop") < op.text.index("Continue the held queue")
         assert now < op.text.index("Release the stop") < op.text.index("Here, in")
-
-
-async def test_a_hint_that_is_true_already_is_not_shown() -> None:
-    async with console(*FAST) as op:
-        await op.press("4")
-        assert "Press g, type the shelf, press enter." in op.text
-        await op.press("g")
-        assert "No goal yet. Type the shelf, press enter." in op.text

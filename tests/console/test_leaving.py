@@ -82,16 +82,7 @@ async def test_quitting_says_that_what_is_published_ends(state: str) -> None:
         assert it.app.is_running
 
 
-async def test_nodes_of_this_process_cannot_be_left_running() -> None:
-    it = Asked()
-    async with it.app.run_test(size=(120, 36)):
-        assert "Leave it running" not in await it.press("q")
-        await it.press("tab", "enter")
-        assert not it.app.is_running
-    assert it.cancelled
-
-
-async def test_suspending_asks_while_the_robot_drives_on_nodes_of_this_process() -> None:
+async def test_suspending_and_quitting_ask_one_thing_at_a_time() -> None:
     it = Asked()
     async with it.app.run_test(size=(120, 36)):
         said = await it.press("ctrl+z")
@@ -99,13 +90,16 @@ async def test_suspending_asks_while_the_robot_drives_on_nodes_of_this_process()
         assert "Suspend" not in (await it.press("enter"))
         assert it.app.screen is it.app.main
 
-
-async def test_while_a_question_is_asked_no_other_is() -> None:
-    it = Asked()
-    async with it.app.run_test(size=(120, 36)):
+        await it.press("escape")
         await it.press("q")
         assert "Cancel goal and quit" in await it.press("ctrl+z")
         assert len(it.app.screen_stack) == 2
+
+        await it.press("escape")
+        assert "Leave it running" not in await it.press("q")
+        await it.press("tab", "enter")
+        assert not it.app.is_running
+    assert it.cancelled
 
 
 async def test_an_answer_is_chosen_by_arrows_or_by_its_first_letter() -> None:

@@ -113,10 +113,23 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
             await until(lambda: second.snapshot.goal and not second.snapshot.goal.is_running)
 
 
-async def test_ctrl_c_asks_before_it_cancels_another_clients_goal() -> None:
+async def test_what_would_touch_another_clients_goal_asks_first() -> None:
     async with shared(*LONG) as (op, other):
         other.go(12)
         await op.until("MOVING (another client's goal)")
+        await op.press("r")
+        await op.until("The robot is carrying out another client's goal. Reset")
+        await op.press("n", "q")
+        await op.until("the nodes of this console would")
+        await op.press("n", "5", "home", "down", "down", "s")
+        await op.until("carrying out another client's goal, and")
+        await op.press("n", "ctrl+z")
+        await op.until("its nodes would")
+        await op.press("n")
+        await op.settle()
+        assert other.told == []
+        assert "MOVING (another client's goal)" in op.text
+
         await op.press("ctrl+c")
         await op.until("Another client sent this goal. Cancel it?")
         await op.press("n")
@@ -151,24 +164,6 @@ async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_abou
         await op.settle()
         assert other.told == [GoalStatus.STATUS_CANCELED]
         assert op.app.view.snapshot.running_goal is not None
-
-
-async def test_the_interlocks_follow_the_robot_whoever_sent_the_goal() -> None:
-    async with shared(*LONG) as (op, other):
-        other.go(12)
-        await op.until("MOVING (another client's goal)")
-        await op.press("r")
-        await op.until("The robot is carrying out another client's goal. Reset")
-        await op.press("n", "q")
-        await op.until("the nodes of this console would")
-        await op.press("n", "5", "home", "down", "down", "s")
-        await op.until("carrying out another client's goal, and")
-        await op.press("n", "ctrl+z")
-        await op.until("its nodes would")
-        await op.press("n")
-        await op.settle()
-        assert other.told == []
-        assert "MOVING (another client's goal)" in op.text
 
 
 async def test_every_goal_is_cancelled_from_the_palette_after_a_question() -> None:

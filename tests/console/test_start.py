@@ -5,7 +5,15 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.screen.widgets.field import Field
-from tests.support.console import FAST, LONG, PANEL_KEYS, console, screen_text, send
+from tests.support.console import (
+    FAST,
+    LONG,
+    PANEL_KEYS,
+    console,
+    focused_panel,
+    screen_text,
+    send,
+)
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, stub_app
@@ -33,8 +41,12 @@ async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> 
         await op.until("STOPPED")
 
 
-async def test_escape_leads_from_the_field_to_the_panels() -> None:
+async def test_an_early_enter_sends_nothing_and_escape_leads_to_the_panels() -> None:
     async with console(*FAST, in_field=True) as op:
+        await op.press("enter", "enter")
+        assert op.app.view.snapshot.goal is None
+        assert len(op.app.screen_stack) == 1
+
         await op.press("escape")
         assert op.focused_panel == 4
         assert f"{PANEL_KEYS} Panels" in op.text
@@ -42,19 +54,12 @@ async def test_escape_leads_from_the_field_to_the_panels() -> None:
         assert op.focused_panel == 5
 
 
-async def test_an_early_enter_sends_nothing() -> None:
-    async with console(*FAST, in_field=True) as op:
-        await op.press("enter", "enter")
-        assert op.app.view.snapshot.goal is None
-        assert len(op.app.screen_stack) == 1
-
-
 @pytest.mark.parametrize("size", [(79, 40), (50, 15), (120, 19)])
 async def test_a_field_out_of_sight_does_not_have_the_focus(size: tuple[int, int]) -> None:
     app = stub_app(NORMAL, StandingClock(), size=size, in_field=True)
     async with app.run_test(size=size):
         assert not isinstance(app.focused, Field)
-        assert app.main.focused_panel == 4
+        assert focused_panel(app) == 4
 
 
 async def test_typing_in_a_field_that_went_out_of_sight_shows_it() -> None:

@@ -109,17 +109,7 @@ async def test_a_dialog_follows_a_size_that_the_screen_behind_it_got_first() -> 
         assert op.app.screen.query_one(".dialog").region.right <= size.width
 
 
-async def test_a_double_click_on_a_notice_closes_it() -> None:
-    async with console(*FAST) as op:
-        notice = await read_something(op)
-        x, y = notice.region.offset
-        for _ in range(4):
-            click(op.app, x + 1, y)
-        await op.until(lambda: "something to read" not in op.text)
-        await stop_works(op)
-
-
-async def test_a_part_of_a_screen_that_has_just_gone_is_not_clicked() -> None:
+async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() -> None:
     async with console(*FAST) as op:
         notice = await read_something(op)
         x, y = notice.region.offset
@@ -129,9 +119,15 @@ async def test_a_part_of_a_screen_that_has_just_gone_is_not_clicked() -> None:
         assert op.app.screen.get_widget_and_offset_at(x + 1, y) == (None, None)
         notice._attach(parent)
 
+        await op.press("escape", "escape")
+        notice = await read_something(op)
+        x, y = notice.region.offset
+        for _ in range(4):
+            click(op.app, x + 1, y)
+        await op.until(lambda: "something to read" not in op.text)
+        await stop_works(op)
 
-async def test_news_while_the_list_of_alarms_is_built_wait_for_it() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape", "escape")
         await stop_works(op)
         op.app.action_command("alarms")
         assert isinstance(op.app.screen, AlarmList)
@@ -143,8 +139,14 @@ async def test_news_while_the_list_of_alarms_is_built_wait_for_it() -> None:
         assert not isinstance(op.app.screen, AlarmList)
 
 
-async def test_a_terminal_of_one_cell_holds_every_dialog() -> None:
+async def test_a_terminal_of_one_cell_holds_every_dialog_and_themes_leave_stop() -> None:
     async with console(*FAST) as op:
+        await op.press("ctrl+p", *"theme", "enter")
+        await op.until("Theme nord")
+        assert "^x" in op.text.splitlines()[-1]
+        await stop_works(op)
+
+        await op.press("escape", "escape")
         for keys in (["f1"], ["ctrl+p"], ["A"], ["4", "enter"], ["4", "ctrl+s"]):
             await op.press(*keys)
             for size in (Size(11, 9), Size(1, 1), Size(120, 36)):
@@ -197,7 +199,7 @@ async def test_a_panel_that_has_no_room_any_more_keeps_no_focus() -> None:
         assert op.focused_panel == 5
 
 
-async def test_a_click_where_a_tiny_terminal_shows_nothing_keeps_the_focus() -> None:
+async def test_a_field_or_a_list_keeps_the_focus_in_a_tiny_or_hidden_terminal() -> None:
     async with console(*FAST) as op:
         await op.press("5")
         with patch.object(op.app.main, "get_widget_at", side_effect=NoWidget):
@@ -205,9 +207,6 @@ async def test_a_click_where_a_tiny_terminal_shows_nothing_keeps_the_focus() -> 
             await op.settle()
         assert op.focused_panel == 5
 
-
-async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field() -> None:
-    async with console(*FAST) as op:
         await op.press("g", "1")
         op.app.post_message(events.AppBlur())
         await op.settle()
@@ -217,11 +216,3 @@ async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field(
         await op.settle()
         await op.press("2")
         assert op.app.query_one("#goal-0", Input).value == "12"
-
-
-async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
-        assert "^x" in op.text.splitlines()[-1]
-        await stop_works(op)

@@ -14,7 +14,7 @@ from archo_tui.screen.commands.replay import TimeLine
 from archo_tui.screen.widgets.field import Field
 from tests.replay.recorded import Watcher, replay
 from tests.support.archo import ARCHO
-from tests.support.console import click
+from tests.support.console import click, focused_panel
 
 BEGIN = 1_700_000_000.0
 # what a console does and a replay does not; what is new has to find its room here, or there
@@ -155,7 +155,7 @@ async def test_each_panel_is_reached_by_its_number(drive: Path) -> None:
     async with replay(drive, (160, 48)) as watcher:
         for number in range(1, 10):
             await watcher.press(str(number))
-            assert watcher.app.main.focused_panel == number
+            assert focused_panel(watcher.app) == number
         for command in watcher.app.registry:
             if command.where == NOT_TYPING and len(command.key) == 1 and command.key != "q":
                 await watcher.press(command.key)

@@ -139,7 +139,7 @@ class Desk:
         for rows in main.query(Rows).results():
             rows.cursor, rows.shows_cursor = 0, False
         main.goal.fields[0].clear()
-        main.goal.set_typed([])
+        main.goal.typed, main.goal._typed_index = [], 0
         main.focus_panel(4)
         main.parameters.rows.shows_cursor = False
         main._focused_before = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from textual.color import Color
 
 from archo_tui.screen.app import ArchoApp
@@ -41,27 +40,19 @@ async def test_the_button_that_enter_presses_is_filled() -> None:
         assert filled(app) == ["submit"]
 
 
-async def test_of_a_question_the_safe_answer_is_filled() -> None:
+async def test_a_dialog_has_one_empty_row_and_a_question_its_safe_answer_filled() -> None:
     app = stub_app(STATES["motor moving"], StandingClock())
     async with app.run_test(size=(120, 36)):
         quiet = Quiet(app)
         await quiet.settle()
-        send(app, "q")
-        await quiet.settle()
-        assert filled(app) == ["answer-0"]
-
-
-@pytest.mark.parametrize(
-    ("state", "keys"), [("normal", EDIT), ("normal", ("4", "ctrl+s")), ("motor moving", ("q",))]
-)
-async def test_a_dialog_has_one_empty_row_at_most(state: str, keys: tuple[str, ...]) -> None:
-    app = stub_app(STATES[state], StandingClock())
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
-        await quiet.settle()
-        send(app, *keys)
-        await quiet.settle()
-        box = app.screen.children[0].region
-        rows = screen_text(app).splitlines()[box.y + 1 : box.bottom - 1]
-        inside = [row[box.x + 1 : box.right - 1].strip() for row in rows]
-        assert inside.count("") <= 1, inside
+        for keys in (EDIT, ("4", "ctrl+s"), ("q",)):
+            send(app, *keys)
+            await quiet.settle()
+            box = app.screen.children[0].region
+            rows = screen_text(app).splitlines()[box.y + 1 : box.bottom - 1]
+            inside = [row[box.x + 1 : box.right - 1].strip() for row in rows]
+            assert inside.count("") <= 1, inside
+            if keys == ("q",):
+                assert filled(app) == ["answer-0"]
+            send(app, "escape")
+            await quiet.settle()

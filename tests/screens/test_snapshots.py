@@ -144,7 +144,7 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
                 # no state knows of the one before
                 app.station._board, app.station.history = AlarmBoard(), History()
                 for panel in (app.main.nodes, app.main.history, app.main.graph):
-                    panel._drawn_inputs = None
+                    panel._inputs = None
                 for clock.passed in (-3.0, 0.0):  # on-delays of alarms have passed
                     robot.put(snapshot)
                 await rest(app, quiet)

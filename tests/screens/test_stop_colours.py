@@ -29,41 +29,42 @@ def stop_button(app: ArchoApp) -> Segment:
     return found
 
 
-@pytest.mark.parametrize("theme", THEMES)
-async def test_stop_is_red_until_the_robot_is_stopped(theme: str) -> None:
+async def test_stop_is_red_until_stopped_has_the_colour_of_its_alarm() -> None:
     app = stub_app(STATES["normal"], StandingClock())
     async with app.run_test(size=(120, 36)) as pilot:
-        app.theme, quiet = theme, Quiet(app)
-        red = Color.parse(app.theme_variables["stopped"])
-        for size in SIZES if theme == THEMES[0] else SIZES[:1]:
+        quiet = Quiet(app)
+        app.theme = THEMES[0]
+        for size in SIZES:
             await pilot.resize_terminal(*size)
-            for state in ("normal", "motor moving", "motor stop not confirmed", "battery empty"):
-                app._on_snapshot(STATES[state])
-                await quiet.settle()
-                style = stop_button(app).style
-                assert style is not None
-                assert colours(style)[1] == red, (state, size)
-            app._on_snapshot(STATES["motor stopped"])
+            await check_stop(app, quiet)
+        await pilot.resize_terminal(120, 36)
+        for app.theme in THEMES:
+            await check_stop(app, quiet)
+            app.tick()
             await quiet.settle()
-            style = stop_button(app).style
-            assert style is not None
-            front, back = colours(style)
-            assert back != red
-            assert contrast(front, back) >= 4.5  # It can still be pressed.
-            edges = {one.text for one in (*segments(app, "▏"), *segments(app, "▕"))}
-            assert {"▏", "▕"} <= edges, size
+            header, banner, motor = segments(app, "STOPPED")
+            fronts = [Color.from_rich_color(one.style.color) for one in (header, banner, motor)]  # type: ignore[union-attr]
+            assert fronts == [Color.parse(app.theme_variables["warn"])] * 3
 
 
-@pytest.mark.parametrize("theme", THEMES)
-async def test_stopped_has_the_colour_of_its_alarm_in_header_banner_and_motor(theme: str) -> None:
-    app = stub_app(STATES["motor stopped"], StandingClock())
-    async with app.run_test(size=(120, 36)):
-        app.theme, quiet = theme, Quiet(app)
-        app.tick()
+async def check_stop(app: ArchoApp, quiet: Quiet) -> None:
+    """STOP is red in each state but that of a stopped robot, where it has edges."""
+    red = Color.parse(app.theme_variables["stopped"])
+    for state in ("normal", "motor moving", "motor stop not confirmed", "battery empty"):
+        app._on_snapshot(STATES[state])
         await quiet.settle()
-        header, banner, motor = segments(app, "STOPPED")
-        fronts = [Color.from_rich_color(one.style.color) for one in (header, banner, motor)]  # type: ignore[union-attr]
-        assert fronts == [Color.parse(app.theme_variables["warn"])] * 3
+        style = stop_button(app).style
+        assert style is not None
+        assert colours(style)[1] == red, state
+    app._on_snapshot(STATES["motor stopped"])
+    await quiet.settle()
+    style = stop_button(app).style
+    assert style is not None
+    front, back = colours(style)
+    assert back != red
+    assert contrast(front, back) >= 4.5  # It can still be pressed.
+    edges = {one.text for one in (*segments(app, "▏"), *segments(app, "▕"))}
+    assert {"▏", "▕"} <= edges
 
 
 async def test_a_banner_goes_across_the_whole_width_until_it_is_acknowledged() -> None:

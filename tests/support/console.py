@@ -65,6 +65,12 @@ def click(app: App[Any], x: int, y: int) -> None:
         app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
 
 
+def focused_panel(app: ArchoApp) -> int:
+    """The number of the panel that has the focus; 0 for none."""
+    ancestors = [] if app.focused is None else app.focused.ancestors_with_self
+    return next((node.number for node in ancestors if isinstance(node, Panel)), 0)
+
+
 class Console:
     """An operator in front of the console."""
 
@@ -90,9 +96,7 @@ class Console:
     @property
     def focused_panel(self) -> int:
         """The number of the panel that has the focus; 0 for none."""
-        focused = self.app.focused
-        ancestors = [] if focused is None else focused.ancestors_with_self
-        return next((node.number for node in ancestors if isinstance(node, Panel)), 0)
+        return focused_panel(self.app)
 
     @property
     def parameters(self) -> list[str]:

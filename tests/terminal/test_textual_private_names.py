@@ -28,7 +28,7 @@ KNOWN = {
     "keyed_app.py": "_bindings _check_bindings",
     "base.py": "_compositor_refresh _repaint_required",
     "dialog.py": "_bindings",
-    "main.py": "_compositor_refresh _screen_resized",
+    "main.py": "_compositor_refresh",
     "terminal/app.py": "_context _handle_exception _styles_cache",
     "terminal/driver.py": "_writer_thread",
     "terminal/keyboard.py": "_xterm_parser",

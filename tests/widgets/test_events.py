@@ -86,8 +86,23 @@ async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> Non
         assert op.focused_panel == 6
 
 
-async def test_page_keys_move_by_what_is_seen() -> None:
+async def test_a_repeated_warning_is_the_newest_and_page_keys_move_by_pages() -> None:
     async with console(*FAST) as op:
+        note = op.app.station.robot.note
+        note("WARN", "a", "first kind 1.0")
+        await op.until("first kind 1.0")
+        first = op.line("first kind")[2:10]
+        await op.at(seconds() + 5)
+        note("WARN", "b", "second kind")
+        await op.until("second kind")
+        await op.at(seconds() + 5)
+        note("WARN", "a", "first kind 2.0")
+        await op.until(f"first kind 2.0   x 2 since {first}")
+        lines = [line for line in op.text.splitlines() if " kind" in line]
+        assert ["first" in line for line in lines] == [True, False]  # the newest on top
+        assert lines[0][2:10] > lines[1][2:10] > first
+
+        await op.press("escape", "escape")
         for number in range(60):
             op.app.station.robot.note("YOU", "console", f"line {'x' * number}")
         await op.until(f"line {'x' * 59}")
@@ -105,7 +120,10 @@ async def test_page_keys_move_by_what_is_seen() -> None:
         assert events.selected.text in op.text
 
 
-async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
+async def test_y_copies_and_ctrl_s_saves_the_commands_of_events(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     async with console(*FAST) as op:
         await op.press("6", "y")
         await op.until("no event is selected")
@@ -123,6 +141,12 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until(lambda: op.app.clipboard == wanted)
         await op.press("home", "y")
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
+
+        await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
+        await op.until("Saved to events.txt")
+    (line,) = (tmp_path / "events.txt").read_text().splitlines()
+    assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
+    datetime.fromisoformat(line.partition("  ")[0])
 
 
 async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_room() -> None:
@@ -191,37 +215,6 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 def nodes_of(text: str) -> list[str]:
     """The lines of the nodes' panel that have an age."""
     return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:54])]
-
-
-async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_time() -> None:
-    async with console(*FAST) as op:
-        note = op.app.station.robot.note
-        note("WARN", "a", "first kind 1.0")
-        await op.until("first kind 1.0")
-        first = op.line("first kind")[2:10]
-        await op.at(seconds() + 5)
-        note("WARN", "b", "second kind")
-        await op.until("second kind")
-        await op.at(seconds() + 5)
-        note("WARN", "a", "first kind 2.0")
-        await op.until(f"first kind 2.0   x 2 since {first}")
-        lines = [line for line in op.text.splitlines() if " kind" in line]
-        assert ["first" in line for line in lines] == [True, False]  # the newest on top
-        assert lines[0][2:10] > lines[1][2:10] > first
-
-
-async def test_the_events_that_are_shown_are_saved_with_their_commands(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    async with console(*FAST) as op:
-        await op.press("r")
-        await op.until("reset encoder: Encoder reset to zero")
-        await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
-        await op.until("Saved to events.txt")
-    (line,) = (tmp_path / "events.txt").read_text().splitlines()
-    assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
-    datetime.fromisoformat(line.partition("  ")[0])
 
 
 @pytest.mark.parametrize(

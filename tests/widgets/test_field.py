@@ -71,7 +71,7 @@ async def test_random_edits_in_one_write_leave_what_a_line_would_hold() -> None:
             await op.press("escape", "escape")
 
 
-async def test_a_correction_in_one_write_is_what_the_robot_gets() -> None:
+async def test_what_comes_in_one_write_acts_in_its_order() -> None:
     async with console(*FAST) as op:
         op.send("g", "1", "2", "backspace", "3", "enter")
         await op.until("Arrived at shelf 13")
@@ -83,9 +83,7 @@ async def test_a_correction_in_one_write_is_what_the_robot_gets() -> None:
         op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
         await op.until("low_battery_threshold is 21.0, was")
 
-
-async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape", "escape")
         await op.press("g", "1")
         op.app.post_message(events.Paste("2x\x183"))
         await op.until("cannot paste this here: it contains 'x'")
@@ -105,19 +103,7 @@ async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() 
         op.app.post_message(events.Paste("7\n"))
         await op.until(lambda: "7" in field.value)
 
-
-async def test_a_paste_that_ends_in_a_newline_is_taken_as_a_number() -> None:
-    async with console(*LONG) as op:
-        await op.press("g")
-        op.app.post_message(events.Paste(" 12\t\r\n"))
-        op.send("enter", "r")  # enter clears the field, and so r is a command again
-        await op.until("is on its way to shelf 12. Reset encoder now?")  # by then it is
-        await op.press("escape")
-        await op.until("MOVING to 12")
-
-
-async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape", "escape")
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
         await op.press("4")
@@ -131,6 +117,16 @@ async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
         await op.until("● IDLE")
         motion = op.app.view.snapshot.motion
         assert not motion.stopped
+
+
+async def test_a_paste_that_ends_in_a_newline_is_taken_as_a_number() -> None:
+    async with console(*LONG) as op:
+        await op.press("g")
+        op.app.post_message(events.Paste(" 12\t\r\n"))
+        op.send("enter", "r")  # enter clears the field, and so r is a command again
+        await op.until("is on its way to shelf 12. Reset encoder now?")  # by then it is
+        await op.press("escape")
+        await op.until("MOVING to 12")
 
 
 async def test_only_the_left_button_acts() -> None:

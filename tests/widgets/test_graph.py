@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from archo_tui.robot.state.graph import Resource
 from tests.support import clock
-from tests.support.console import FAST, Console, console, send
+from tests.support.console import FAST, Console, console, focused_panel, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, StubRobot, stub_app
@@ -26,6 +26,8 @@ async def rows(op: Console, *keys: str) -> list[list[str]]:
 
 
 async def test_it_shows_types_and_who_publishes_or_serves_them() -> None:
+    from std_msgs.msg import Float32
+
     async with console(*FAST) as op:
         found = await rows(op)
         level = ["topic", "/battery_level", "archo_interfaces/msg/BatteryStatus", "battery_monitor"]
@@ -36,6 +38,14 @@ async def test_it_shows_types_and_who_publishes_or_serves_them() -> None:
         assert "no publisher" in op.line("/battery_drain")
         for own in ("/rosout", "/parameter_events", "get_parameters", "_archo_console"):
             assert own not in op.text
+
+        await op.press("escape")
+        await op.press("8")
+        await op.until(lambda: "no publisher" in op.line("/battery_drain"))
+        await op.at(clock.seconds() + 3)  # nothing else comes any more
+        node = op.session.host.nodes[2].node
+        node.create_publisher(Float32, "battery_drain", 10)
+        await op.until(lambda: "motor_controller" in op.line("/battery_drain"))
 
 
 async def test_the_rate_of_what_the_console_hears_is_there_and_its_silence() -> None:
@@ -77,18 +87,6 @@ async def test_a_server_is_seen_that_comes_behind_its_client() -> None:
         second.destroy_node()
 
 
-async def test_a_second_publisher_of_a_known_node_is_seen() -> None:
-    from std_msgs.msg import Float32
-
-    async with console(*FAST) as op:
-        await op.press("8")
-        await op.until(lambda: "no publisher" in op.line("/battery_drain"))
-        await op.at(clock.seconds() + 3)  # nothing else comes any more
-        node = op.session.host.nodes[2].node
-        node.create_publisher(Float32, "battery_drain", 10)
-        await op.until(lambda: "motor_controller" in op.line("/battery_drain"))
-
-
 async def test_enter_shows_all_that_is_known_of_one() -> None:
     app = stub_app(NORMAL)
     async with app.run_test(size=(120, 36)):
@@ -105,22 +103,23 @@ async def test_enter_shows_all_that_is_known_of_one() -> None:
         assert "served by     /motor_controller" in text
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 36), (200, 24)])
-async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back(size: tuple[int, int]) -> None:
-    app = stub_app(NORMAL, size=size)
-    async with app.run_test(size=size):
+async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back() -> None:
+    app = stub_app(NORMAL, size=(80, 24))
+    async with app.run_test(size=(80, 24)) as pilot:
         quiet = Quiet(app)
-        send(app, "5")
-        await quiet.settle()
-        assert not app.main.graph.display
-        send(app, "8")
-        await quiet.settle()
-        assert app.main.graph.size.width > size[0] - 6
-        assert not app.main.nodes.region
-        send(app, "escape")
-        await quiet.settle()
-        assert not app.main.graph.display
-        assert app.main.focused_panel == 5
+        for width, height in ((80, 24), (120, 36), (200, 24)):
+            await pilot.resize_terminal(width, height)
+            send(app, "5")
+            await quiet.settle()
+            assert not app.main.graph.display
+            send(app, "8")
+            await quiet.settle()
+            assert app.main.graph.size.width > width - 6
+            assert not app.main.nodes.region
+            send(app, "escape")
+            await quiet.settle()
+            assert not app.main.graph.display
+            assert focused_panel(app) == 5
 
 
 async def test_its_focus_and_full_screen_outlast_every_size() -> None:
@@ -131,16 +130,16 @@ async def test_its_focus_and_full_screen_outlast_every_size() -> None:
         await quiet.settle()
         await pilot.resize_terminal(149, 43)  # there is no room any more
         await quiet.settle()
-        assert app.main.focused_panel == 4
+        assert focused_panel(app) == 4
         send(app, "8")
         await quiet.settle()
         await pilot.resize_terminal(150, 48)
         await quiet.settle()
         assert app.main.is_full
-        assert app.main.focused_panel == 8
+        assert focused_panel(app) == 8
         send(app, "escape")
         await quiet.settle()
-        assert app.main.focused_panel == 8
+        assert focused_panel(app) == 8
         assert app.main.nodes.region
         for width, height in ((1, 1), (300, 80), (20, 3), (160, 30)):
             await pilot.resize_terminal(width, height)

@@ -125,16 +125,6 @@ async def test_whoever_watches_sees_the_level_and_sets_none() -> None:
         await op.until("log level   INFO and above, the level of its process")
 
 
-async def test_a_node_that_was_stopped_is_not_on_the_graph() -> None:
-    async with console(*FAST) as op:
-        await select(op, "/dashboard")
-        await op.press("s")
-        await op.until("stopped by you")
-        await op.press("enter")
-        await op.until("not on the graph")
-        assert "log level" not in op.text
-
-
 async def test_a_node_that_has_left_or_is_stopped_meanwhile_is_up_no_more() -> None:
     async with console(*FAST) as op:
         await opened(op, "/dashboard")
@@ -153,3 +143,12 @@ async def test_a_node_that_has_left_or_is_stopped_meanwhile_is_up_no_more() -> N
         assert (await ended(halted)).ok  # as from a shell, beside the dialog
         await op.until("○ stopped by you")
         assert "● up" not in op.text
+
+        await op.press("escape", "5", "s")
+        await op.until("● dashboard")
+        await select(op, "/dashboard")
+        await op.press("s")
+        await op.until("stopped by you")
+        await op.press("enter")
+        await op.until("not on the graph")
+        assert "log level" not in op.text

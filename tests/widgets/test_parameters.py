@@ -342,8 +342,19 @@ async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(tmp_p
             await op.press("escape")
 
 
-async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
+async def test_backspace_offers_the_start_and_space_switches_a_boolean() -> None:
     async with console(*FAST) as op:
+        await op.press("4", "d")
+        await op.until("nothing differs from the start")
+        await op.press("d", "slash", *"max_speed", "enter", "enter", "ctrl+u", *"0.5", "enter")
+        await op.until("0.5 *")
+        await op.press("slash", "escape", "d")
+        await op.until("0.5 (was 0.8)")
+        assert "wheel_radius" not in op.text
+        await op.press("backspace", "enter")
+        await op.until("nothing differs from the start")
+
+        await op.press("d")
         await op.press("4", "slash", *"sim_time", "enter", "space")
         await op.until("set battery_monitor use_sim_time true: ")
         await op.until("true *")
@@ -359,21 +370,6 @@ async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
         await op.until(lambda: "true *" not in op.text)
         await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
         await op.until("the selected parameter is not a boolean")
-
-
-async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_the_starts() -> (
-    None
-):
-    async with console(*FAST) as op:
-        await op.press("4", "d")
-        await op.until("nothing differs from the start")
-        await op.press("d", "slash", *"max_speed", "enter", "enter", "ctrl+u", *"0.5", "enter")
-        await op.until("0.5 *")
-        await op.press("slash", "escape", "d")
-        await op.until("0.5 (was 0.8)")
-        assert "wheel_radius" not in op.text
-        await op.press("backspace", "enter")
-        await op.until("nothing differs from the start")
 
 
 LABELS = ["a, b", "yes", "", "it's\n\u202e"]

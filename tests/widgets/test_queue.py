@@ -15,7 +15,7 @@ def history(op: Console) -> list[str]:
     return [f"{goal.target} {goal.word}" for goal in reversed(op.app.view.snapshot.history)]
 
 
-async def test_several_targets_are_driven_one_after_the_other() -> None:
+async def test_several_targets_are_driven_in_turn_and_a_mistake_stays_said() -> None:
     async with console(*BRISK) as op:
         await op.press("g", *"12 7 3", "enter")
         await op.until("MOVING to 12")
@@ -26,9 +26,7 @@ async def test_several_targets_are_driven_one_after_the_other() -> None:
         assert history(op) == ["12 ARRIVED", "7 ARRIVED", "3 ARRIVED"]
         assert not op.app.view.waiting
 
-
-async def test_what_is_wrong_with_what_was_typed_stays_while_others_are_driven() -> None:
-    async with console(*BRISK) as op:
+        await op.press("escape", "escape")
         await op.press("g", *"12 7", "enter")
         await op.until("MOVING to 12")
         await op.press("x", "enter")
@@ -38,7 +36,7 @@ async def test_what_is_wrong_with_what_was_typed_stays_while_others_are_driven()
         assert "Shelf: not a whole number: x" in op.text
 
 
-async def test_enter_queues_while_a_goal_runs_and_a_double_enter_sends_once() -> None:
+async def test_a_double_enter_sends_once_and_a_form_waits_in_the_queue() -> None:
     async with console(*LONG) as op:
         await op.press("g", "5", "enter", "enter")
         await op.until("MOVING to 5")
@@ -46,6 +44,12 @@ async def test_enter_queues_while_a_goal_runs_and_a_double_enter_sends_once() ->
         await op.until("then 6")
         await op.settle()
         assert op.app.view.waiting == ("6",)
+
+        await op.press("escape", "G", *"shelf", "enter")
+        await op.until("Shelf ")  # the form of the robot file
+        await op.press("7", "enter")
+        await op.settle()  # not with the next second only
+        assert "then 6, 7" in op.text
 
 
 async def test_what_is_typed_behind_enter_in_one_burst_is_the_next_target() -> None:
@@ -55,17 +59,6 @@ async def test_what_is_typed_behind_enter_in_one_burst_is_the_next_target() -> N
         assert op.app.main.goal.fields[0].value == "7"
         await op.press("enter")
         await op.until("then 7")
-
-
-async def test_a_goal_of_a_form_waits_in_the_queue_and_is_shown() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("▶ MOVING")
-        await op.press("escape", "G", *"shelf", "enter")
-        await op.until("Shelf ")  # the form of the robot file
-        await op.press("7", "enter")
-        await op.settle()  # not with the next second only
-        assert "then 7" in op.text
 
 
 async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: Path) -> None:

@@ -79,7 +79,7 @@ async def test_ends_that_do_not_fit_are_named_with_the_side_to_change() -> None:
         await op.press("escape")
 
 
-async def test_fields_follow_the_topic_while_it_is_open() -> None:
+async def test_fields_follow_the_topic_while_it_is_open_and_say_when_nobody_publishes() -> None:
     async with console(node_makers=[Counter], wait=False) as op:
         await open_topic(op, "/count")
         await op.until("types and QoS of all of them fit")
@@ -102,9 +102,7 @@ async def test_fields_follow_the_topic_while_it_is_open() -> None:
         await op.press("escape")
         await op.until(lambda: counter.count_subscribers("/count") == 0)
 
-
-async def test_a_frozen_topic_whose_node_ends_shows_its_age_and_that_nobody_publishes() -> None:
-    async with console(node_makers=[Counter], wait=False) as op:
+        await op.press("escape")
         await open_topic(op, "/count")
         await op.until("10.0 Hz   80 B/s")
         await op.press("p", "space")
@@ -199,7 +197,7 @@ async def opened(size: tuple[int, int] = (120, 36)) -> AsyncIterator[Opened]:
         quiet = Quiet(app)
         await quiet.settle()
         shown = Opened(app, quiet)
-        await shown.press("8", "home", "down", "enter")
+        await shown.reopen()
         yield shown
 
 
@@ -218,6 +216,12 @@ class Opened:
         robot.show_topic()
         await self._quiet.settle()
 
+    async def reopen(self) -> None:
+        """Open the dialog anew, as it is at first."""
+        while self.app.screen is not self.app.main:
+            await self.press("escape")
+        await self.press("8", "home", "down", "enter")
+
     async def until(self, holds: Callable[[], object]) -> None:
         """Wait until it holds, and let the next view come before."""
         await self.press()
@@ -234,7 +238,7 @@ class Opened:
         return str(self.app.screen.query_one(Rows).item_key)
 
 
-async def test_enter_folds_a_message_and_opens_an_array() -> None:
+async def test_the_keys_of_the_dialog_fold_search_plot_and_copy() -> None:
     async with opened() as shown:
         assert "base_link" in shown.text
         await shown.press("down", "down", "down", "down", "enter")
@@ -248,9 +252,7 @@ async def test_enter_folds_a_message_and_opens_an_array() -> None:
         await shown.press("enter")
         assert "[39]" in shown.text
 
-
-async def test_the_search_leaves_the_fields_that_have_a_text() -> None:
-    async with opened() as shown:
+        await shown.reopen()
         await shown.press("slash", *"volt", "enter")
         assert "voltage" in shown.text
         assert "percentage" not in shown.text
@@ -260,9 +262,7 @@ async def test_the_search_leaves_the_fields_that_have_a_text() -> None:
         await shown.press("escape")
         assert "voltage" not in shown.text
 
-
-async def test_p_plots_numbers_on_one_axis_and_nothing_else() -> None:
-    async with opened() as shown:
+        await shown.reopen()
         await shown.press("p", "down", "p")
         assert "60 s ago" in shown.text
         assert "voltage 24.5 V" in shown.text
@@ -271,6 +271,20 @@ async def test_p_plots_numbers_on_one_axis_and_nothing_else() -> None:
         await shown.press("down", "down", "down", "p")
         assert "battery_health is no number" in shown.text
         assert "60 s ago" not in shown.text
+
+        await shown.reopen()
+        await shown.press("y")
+        wanted = "ros2 topic echo /battery_level archo_interfaces/msg/BatteryStatus"
+        assert shown.app.clipboard == wanted
+
+        await shown.reopen()
+        dialog = shown.app.screen
+        send(shown.app, "t", "enter", "p")
+        await shown.until(lambda: shown.app.screen is dialog and "60 s ago" in shown.text)
+
+        await shown.reopen()
+        await shown.press("space", "p")
+        assert "⣀" in shown.text or "⠉" in shown.text
 
 
 async def test_a_clock_behind_a_dialog_has_only_itself_drawn(
@@ -289,26 +303,6 @@ async def test_a_clock_behind_a_dialog_has_only_itself_drawn(
         assert drawn == [clock.region] * 3
         assert not app.main._repaint_required  # Else all of it is drawn with the next change.
         del app.screen.refresh
-
-
-async def test_y_copies_the_ros2_command() -> None:
-    async with opened() as shown:
-        await shown.press("y")
-        wanted = "ros2 topic echo /battery_level archo_interfaces/msg/BatteryStatus"
-        assert shown.app.clipboard == wanted
-
-
-async def test_a_key_behind_t_acts_in_the_definition_that_it_opens() -> None:
-    async with opened() as shown:
-        dialog = shown.app.screen
-        send(shown.app, "t", "enter", "p")
-        await shown.until(lambda: shown.app.screen is dialog and "60 s ago" in shown.text)
-
-
-async def test_a_field_that_is_plotted_while_frozen_has_its_curve() -> None:
-    async with opened() as shown:
-        await shown.press("space", "p")
-        assert "⣀" in shown.text or "⠉" in shown.text
 
 
 class Steps(Node):

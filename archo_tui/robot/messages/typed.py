@@ -156,15 +156,27 @@ def _number_of(given: Limit, otherwise: float | None) -> float | None:
     return otherwise if given is None or isinstance(given, ParameterRef) else given
 
 
+class FieldError(ValueError):
+    """The error that the text of the field with this path is not valid; its message says why."""
+
+    def __init__(self, text: str, path: str) -> None:
+        super().__init__(text)
+        self.path = path
+
+
 def parse_all(
     fields: Iterable[TypedField], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return the values of the fields that have a text, by dotted path, as `parse_field` does."""
-    return {
-        field.path: parse_field(field, form.get(field.path, FormField()), texts[field.path])
-        for field in fields
-        if field.path in texts
-    }
+    """Return the values of the fields that have a text, by dotted path, or raise FieldError."""
+    values = {}
+    for field in fields:
+        if field.path in texts:
+            given = form.get(field.path, FormField())
+            try:
+                values[field.path] = parse_field(field, given, texts[field.path])
+            except ValueError as error:
+                raise FieldError(str(error), field.path) from None
+    return values
 
 
 def texts_by_path(

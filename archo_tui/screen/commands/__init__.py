@@ -18,14 +18,19 @@ from archo_tui.screen.commands import (
     recordings,
     robot,
 )
-from archo_tui.screen.commands.base import Command, PanelKey, VerbCommand
+from archo_tui.screen.commands.base import IN_PANEL, Command, PanelKey, VerbCommand, everywhere
 from archo_tui.screen.main import PANELS
+from archo_tui.screen.widgets.parameters_panel import ParametersPanel
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
+from archo_tui.verbs.parameters import CHANGE
 from archo_tui.verbs.places import SavePlace, SaveQueue
 from archo_tui.verbs.services import Give
 from archo_tui.verbs.topics import Publish
 from archo_tui.verbs.verb import Verb
+
+_HELP = "Show all keys; works in dialogs and while typing, too"
+_CANCEL_ALL = "Cancel every goal, whoever sent it (asks first)"
 
 
 def _saves_pose(verb: Verb) -> bool:
@@ -42,12 +47,12 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
     return (
         robot.GoKey(goals[0] if goals else None),
         robot.CancelKey(verbs["cancel"]),
-        robot.CancelAllKey(verbs["cancel"]),
-        robot.ContinueKey(verbs["continue"]),
-        robot.SkipKey(verbs["skip"]),
+        VerbCommand(verbs["cancel"], lambda _: {"--all": True}, id="cancel_all", help=_CANCEL_ALL),
+        VerbCommand(verbs["continue"], key="n"),
+        VerbCommand(verbs["skip"], key="k"),
         robot.StopKey(verbs["stop"]),
         VerbCommand(verbs["give_up_stop"]),
-        robot.ReleaseKey(verbs["release"]),
+        VerbCommand(verbs["release"], key="R", waits_for_answer=True),
         *(robot.GiveKey(on, off) for on, off in _robot_file_commands(verbs)),
         *(robot.FormGoalKey(goal) for goal in goals[1:]),
         generic.AnyGoal(verbs["send_goal"]),
@@ -56,7 +61,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.DescribeRobot(),
         *(robot.SaveUnderName(v, "places") for v in verbs.values() if _saves_pose(v)),
         *(robot.SaveUnderName(v, "go_list") for v in verbs.values() if isinstance(v, SaveQueue)),
-        alarms.AcknowledgeKey(verbs["ack"]),
+        VerbCommand(verbs["ack"], key="a", help="Acknowledge the alarm in the banner"),
         alarms.ShowAlarms(),
         alarms.ListDiagnostics(),
         *(PanelKey(panel, described) for panel in PANELS),
@@ -66,7 +71,11 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         parameters.ToggleOnlyChanged(),
         parameters.ToggleHidden(),
         parameters.FilterParameters(),
-        parameters.UndoKey(verbs["undo"]),
+        VerbCommand(
+            verbs["undo"],
+            lambda station: {CHANGE: station.edits.last},
+            **{"where": IN_PANEL, "panel": ParametersPanel, "key": "u", "waits_for_answer": True},
+        ),
         parameters.SaveKey(verbs["save"]),
         parameters.LoadKey(verbs["load"]),
         nodes.StartStop(),
@@ -85,14 +94,14 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         graph.ShowResource(),
         graph.ShowFrames(),
         help.ShowHelp(),
-        help.ShowHelpEverywhere(),
+        everywhere(help.ShowHelp(), "help_everywhere", "f1", _HELP),
         palette.OpenPalette(),
         console.KeepKey(verbs["keep"]),
         recordings.ShowRecordings(),
         console.ToggleQuiet(),
         console.Suspend(),
         console.Quit(),
-        console.QuitEverywhere(),
+        everywhere(console.Quit(), "quit_everywhere", "ctrl+q", "Quit, also while typing"),
     )
 
 

@@ -4,31 +4,21 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from textual.binding import Binding
 
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
-from archo_tui.screen.commands.base import Command, Desk, VerbCommand
+from archo_tui.screen.commands.base import Command, Desk
 from archo_tui.screen.commands.request import AnswerRequest
 from archo_tui.screen.dialog import Form, ListDialog
 from archo_tui.screen.widgets.panel import ScreenState
-from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, any_urgent, is_diagnostic
 from archo_tui.station.conditions import Priority, diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.text.alarm import diagnostic_line, no_alarms_text, no_diagnostics_text, timeline
 from archo_tui.text.columns import QUIET, Columns, Text
 from archo_tui.verbs.show import ShowDiagnostics, forget
-from archo_tui.verbs.verb import Verb
-
-
-class AcknowledgeKey(VerbCommand):
-    key = "a"
-
-    def __init__(self, verb: Verb) -> None:
-        super().__init__(verb)
-        self.help = "Acknowledge the alarm in the banner"
 
 
 class ShowAlarms(Command):
@@ -53,7 +43,6 @@ class ListDiagnostics(Command):
         desk.open(DiagnosticList(desk))
 
 
-T = TypeVar("T")
 _INDENT = " " * 8
 _SHELF = f"{SHELF_TIME / 60:.0f} min"
 
@@ -88,10 +77,7 @@ class AlarmList(ListDialog[AlarmRow]):
     keys_text = f"a acknowledge   A all   s shelve for {_SHELF} or unshelve   esc close"
 
     def __init__(self, desk: Desk) -> None:
-        rows: Rows[AlarmRow] = Rows(
-            alarm_lines, lambda row: row.alarm.name, id="alarms", empty="", wraps=True
-        )
-        super().__init__("Alarms", rows)
+        super().__init__("Alarms", alarm_lines, lambda row: row.alarm.name)
         self._desk = desk
 
     def on_mount(self) -> None:
@@ -99,8 +85,8 @@ class AlarmList(ListDialog[AlarmRow]):
 
     def show_view(self, view: ScreenState) -> None:
         """Show the alarms of a new view."""
-        self.rows.empty = no_alarms_text(view.snapshot)
-        self.show_items([AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms])
+        rows = [AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms]
+        self.show_items(rows, no_alarms_text(view.snapshot))
 
     def action_acknowledge(self) -> None:
         if self.rows.item is not None:
@@ -169,10 +155,7 @@ class DiagnosticList(ListDialog[_Part]):
     ]
 
     def __init__(self, desk: Desk) -> None:
-        rows: Rows[_Part] = Rows(
-            _part_lines, lambda part: part.status.key, id="diagnostics", empty="", wraps=True
-        )
-        super().__init__("Diagnostics", rows)
+        super().__init__("Diagnostics", _part_lines, lambda part: part.status.key)
         self._desk = desk
 
     def on_mount(self) -> None:
@@ -180,9 +163,9 @@ class DiagnosticList(ListDialog[_Part]):
 
     def show_view(self, view: View) -> None:
         """Show the parts of a new view."""
-        self.rows.empty = no_diagnostics_text(view.snapshot)
         parts = diagnostics_worst_first(view.snapshot, view.now)
-        self.show_items([_Part(status, diagnostic_line(status, view.now)) for status in parts])
+        rows = [_Part(status, diagnostic_line(status, view.now)) for status in parts]
+        self.show_items(rows, no_diagnostics_text(view.snapshot))
         is_any_gone = any(status.is_gone_at(view.now) for status in parts)
         keys = "f forget a silent part   " if is_any_gone else ""
         self.box.border_subtitle = f"{keys}esc close"

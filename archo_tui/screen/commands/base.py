@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os.path
 import re
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,10 +26,10 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.screen.dialog import Confirm, Dialog
 from archo_tui.screen.main import PANELS, MainScreen
 from archo_tui.screen.terminal.app import COMMANDS, TerminalApp, start_worker
-from archo_tui.screen.terminal.stop_marks import InputTime
 from archo_tui.screen.widgets.bars import DURATIONS, FooterKey, Notice, with_newest
 from archo_tui.screen.widgets.panel import Panel, ScreenState
 from archo_tui.station import save_load
+from archo_tui.station.station import Station
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import GOAL_ENDED, Question, Values, Verb
 
@@ -43,6 +43,13 @@ _AGREE_AFTER = 0.7  # Seconds: a key that is held down agrees to nothing.
 def readable_key(key: str) -> str:
     """Return a key as a person reads it: `^x` for `ctrl+x`, `?`, `enter`; "" for none."""
     return key if key in ("", "enter") else format_key(key).replace("ctrl+", "^")
+
+
+class InputTime(NamedTuple):
+    """The earliest time at which a key or a click can have been typed."""
+
+    at: float  # s, on the clock of `Message.time`
+    pause: float  # s since the input before was read
 
 
 class _Sent(NamedTuple):
@@ -365,15 +372,10 @@ def file_writer(
 ) -> Callable[[Path], Awaitable[str]]:
     """Return a function that writes a text to a path, for a file dialog, and names it `what`.
 
-    It returns "" if the file was written, else an error, or a warning that the file exists: called
-    again with that path, it replaces the file. An ArchoError of `text` is shown.
+    It returns "" if the file was written, else an error, also one of `text`.
     """
-    warned: set[Path] = set()  # Existing files that the operator was warned about.
 
     async def write(path: Path) -> str:
-        if path not in warned and await in_daemon(os.path.exists, path):
-            warned.add(path)
-            return f"{path} already exists: press enter again to overwrite"
         try:
             content = text if isinstance(text, str) else await text()
             await in_daemon(save_load.write_atomically, path, content)
@@ -460,16 +462,28 @@ def asking_first(
 class VerbCommand(Command):
     """The base of commands that run a verb, by default without values."""
 
-    def __init__(self, verb: Verb) -> None:
-        self.verb = verb
+    def __init__(
+        self, verb: Verb, values: Callable[[Station], Values] = lambda _: {}, **others: Any
+    ) -> None:
+        """Create the command; `others` are its attributes, in place of the verb's id and help."""
+        self.verb, self._values = verb, values
         self.id, self.verbs = verb.id, (verb.id,)
         self.help = verb.help
+        vars(self).update(others)
 
     def disabled_reason(self, desk: Desk) -> str:
         return self.verb.refusal(desk.station)
 
     def run(self, desk: Desk) -> Work | None:
-        return desk.run_verb(self.verb, {})
+        return desk.run_verb(self.verb, self._values(desk.station))
+
+
+def everywhere(command: Command, id: str, key: str, help: str) -> Command:
+    """Return a command with another key that works everywhere; it has no place in the footer."""
+    second = copy(command)
+    second.id, second.key, second.help, second.footer = id, key, help, ""
+    second.where = EVERYWHERE
+    return second
 
 
 class PanelKey(Command):

@@ -27,12 +27,14 @@ class SearchEvents(_InEvents):
         desk.main.events.search.open()
 
 
-class CopyCommand(_InEvents):
-    id, key = "copy_command", "y"
-    help = "Copy the ros2 command of the selected event; or its text if it has none"
-
+class _OfEvent(_InEvents):
     def disabled_reason(self, desk: Desk) -> str:
         return "" if desk.main.events.selected else "no event is selected"
+
+
+class CopyCommand(_OfEvent):
+    id, key = "copy_command", "y"
+    help = "Copy the ros2 command of the selected event; or its text if it has none"
 
     def run(self, desk: Desk) -> None:
         event = desk.main.events.selected
@@ -60,15 +62,13 @@ class SaveEvents(_InEvents):
     def run(self, desk: Desk) -> None:
         text = events_as_text(desk.main.events.shown)
         write = file_writer(desk, text, "save events")
-        desk.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
+        title = "Save the events that are shown"
+        desk.open(AskPath(title, "Text file", "events.txt", write, writes=True))
 
 
-class ShowEvent(_InEvents):
+class ShowEvent(_OfEvent):
     id, key = "whole_event", "enter"
     help = "Show the selected event in full"
-
-    def disabled_reason(self, desk: Desk) -> str:
-        return "" if desk.main.events.selected else "no event is selected"
 
     def run(self, desk: Desk) -> None:
         event = desk.main.events.selected

@@ -256,4 +256,4 @@ class DescribeRobot(Command):
 
         write = file_writer(desk, text, "describe this robot")
         listens = f"Robot file (listens for {LISTENING:g} s first)"
-        desk.open(AskPath("Describe this robot", listens, "robot.yaml", write))
+        desk.open(AskPath("Describe this robot", listens, "robot.yaml", write, writes=True))

@@ -32,7 +32,7 @@ from archo_tui.screen.main import TALL, WIDE
 from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.screen.widgets.field import Search
 from archo_tui.screen.widgets.graph_panel import GraphPanel
-from archo_tui.screen.widgets.line import Line, TextLines, content
+from archo_tui.screen.widgets.line import Line, content
 from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station.view import View
 from archo_tui.text.columns import Columns, Text
@@ -86,14 +86,11 @@ class FrameList(ListDialog[str]):
     """A list of the transforms, which are received while it is open; it changes each second."""
 
     def __init__(self, desk: Desk) -> None:
-        rows: Rows[str] = Rows(
+        super().__init__(
+            "Transforms",
             lambda line, width, _: [(part, "") for part in textwrap.wrap(line, max(width, 20))],
             lambda line: line.partition(":")[0],
-            id="transforms",
-            empty="",
-            wraps=True,
         )
-        super().__init__("Transforms", rows)
         self._desk = desk
 
     def on_mount(self) -> None:
@@ -110,6 +107,7 @@ class FrameList(ListDialog[str]):
 
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
+_OF_ELEMENTS = ("fields", "is_cut", "open_arrays")  # What `TopicView.with_elements` changes.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
 _PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
 _KEYS = "enter fold  p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
@@ -158,7 +156,7 @@ class TopicDialog(Dialog):
             columns=field_columns,
         )
         self._search = Search(self._rows, self._show_fields)
-        self._plot, self._ends = TextLines(), VerticalScroll(id="topic-ends")
+        self._plot, self._ends = Line(id="topic-plots"), VerticalScroll(id="topic-ends")
         self._box = Vertical(classes="dialog topic")
 
     def body(self) -> ComposeResult:
@@ -198,8 +196,6 @@ class TopicDialog(Dialog):
         )
 
     def _receive(self, view: TopicView) -> None:
-        if self.is_dismissed:
-            return
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
         if self._is_frozen:
@@ -209,21 +205,16 @@ class TopicDialog(Dialog):
 
     def _with_frozen_message(self, view: TopicView) -> TopicView:
         """Return a newer view with the fields and curves of the frozen one."""
-        frozen = self._view
-        return view._replace(
-            fields=frozen.fields,
-            is_cut=frozen.is_cut,
-            plots={**view.plots, **frozen.plots},
-            open_arrays=frozen.open_arrays,
-            with_elements=frozen.with_elements,
-        )
+        kept = {name: getattr(self._view, name) for name in (*_OF_ELEMENTS, "with_elements")}
+        return view._replace(plots={**view.plots, **self._view.plots}, **kept)
 
     def _show_again(self) -> None:
-        if not self.is_dismissed:
-            self._show(self._view)
+        self._show(self._view)
 
     def _show(self, view: TopicView) -> None:
-        """Show a view; if it cannot be drawn, the line above the fields says why."""
+        """Show a view, or above the fields why it cannot be drawn; not in a dismissed dialog."""
+        if self.is_dismissed:
+            return
         had_ends, self._view = self._view.ends, view
         try:
             self._draw_view(view, had_ends)
@@ -251,8 +242,7 @@ class TopicDialog(Dialog):
         shown = [field for field in self._view.fields if not self._is_folded(field.path)]
         found = [field for field in shown if self._search.matches(field.path)]
         self._search.show_count(len(found), len(shown))
-        self._rows.empty = f"no field has {self._search.search_text}" if shown else ""
-        self._rows.show(found)
+        self._rows.show(found, f"no field has {self._search.search_text}" if shown else "")
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
 
     def _is_folded(self, path: str) -> bool:
@@ -270,7 +260,7 @@ class TopicDialog(Dialog):
             if self._plot.styles.height is None or self._plot.styles.height.value != height:
                 self._plot.styles.height = height
             size = self._plot.size.width, height
-            self._plot.show(topic_plots(fields, self._view.plots, self._plotted, size))
+            self._plot.show_spans(*topic_plots(fields, self._view.plots, self._plotted, size))
 
     @property
     def _columns(self) -> Columns:
@@ -321,28 +311,18 @@ class TopicDialog(Dialog):
 
         The elements are read on another thread; keys are held until they are shown.
         """
-        self._open_arrays = open_arrays
-        self.is_asking = True
-        start_worker(self.app, self._read_elements, _GROUP)
+        self._open_arrays, before = open_arrays, self._view
 
-    async def _read_elements(self) -> None:
-        view = shown = self._view
-        try:
-            if view.with_elements is not None:
-                shown = await in_daemon(view.with_elements, view, self._open_arrays)
-        finally:
-            self.is_asking = False
-        if self.is_dismissed:
-            return
-        if self._is_frozen:  # A newer view has the same message.
-            view, shown = (
-                self._view,
-                self._view._replace(
-                    fields=shown.fields, is_cut=shown.is_cut, open_arrays=shown.open_arrays
-                ),
-            )
-        if self._view is view:  # Otherwise a newer message is shown, with the elements.
-            self._show(shown)
+        def show(read: TopicView) -> None:
+            if self._view is not before and self._is_frozen:  # A newer view of that message.
+                changed = {name: getattr(read, name) for name in _OF_ELEMENTS}
+                self._show(self._view._replace(**changed))
+            elif self._view is before:  # Otherwise a newer message is shown, with the elements.
+                self._show(read)
+
+        if before.with_elements is not None:
+            read = partial(in_daemon, before.with_elements, before, open_arrays)
+            self.ask(read, show, group=_GROUP)
 
     def action_plot(self) -> None:
         """Plot the field under the cursor if it is a number, or remove its plot."""
@@ -371,14 +351,9 @@ class TopicDialog(Dialog):
 
     def action_show_type(self) -> None:
         """Read the definition of the type, and show it in a dialog over this one; keys wait."""
-        if not self.is_asking:
-            self.is_asking = True
-            start_worker(self.app, self._show_type, _GROUP)
 
-    async def _show_type(self) -> None:
-        try:
-            text = await in_daemon(definitions_text, self._types)
-        finally:
-            self.is_asking = False
-        if not self.is_dismissed:
-            self.app.push_screen(ShowText(self._topic, text))
+        def show(text: str) -> None:
+            if not self.is_dismissed:
+                self.app.push_screen(ShowText(self._topic, text))
+
+        self.ask(partial(in_daemon, definitions_text, self._types), show, group=_GROUP)

@@ -32,11 +32,6 @@ class ShowHelp(Command):
         desk.open(Help(desk, panel))
 
 
-class ShowHelpEverywhere(ShowHelp):
-    id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
-    help = "Show all keys; works in dialogs and while typing, too"
-
-
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
     "tab moves the focus, enter presses or edits, esc leaves; while you type, letters are text."
@@ -130,7 +125,10 @@ def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
     for command in desk.registry:
         if isinstance(command, PanelKey) or not command.is_listed:
             continue
-        entry = _help_entry(desk, command)
+        key = desk.view.key(command.id)
+        place = command.where_text if key else "in the palette only"
+        place = f"{place[0].upper()}{place[1:]}"
+        entry = Entry(place, key, command.help, not command.disabled_reason(desk))
         if entry.key and entry.works and command.id in _FOR_A_STATE:
             entry = entry._replace(section=_NOW)
         elif panel is not None and entry.key and command.where != EVERYWHERE:
@@ -147,14 +145,6 @@ def _help_entries(desk: Desk, panel: Panel | None) -> list[Entry]:
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
     first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
     return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
-
-
-def _help_entry(desk: Desk, command: Command) -> Entry:
-    key = desk.view.key(command.id)
-    place = (
-        f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
-    )
-    return Entry(place, key, command.help, not command.disabled_reason(desk))
 
 
 def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[list[Content]]:

@@ -38,15 +38,11 @@ class _NodeCommand(Command):
         row = desk.main.nodes.selected
         if row is None:
             return "no node is selected"
-        if not desk.main.nodes.shows_cursor:
+        if not desk.main.nodes.rows.shows_cursor:
             return "no node is selected: choose one with ↑ ↓ first"
         if not row.hosted:
             return f"{row.name} does not run in this process"
         return desk.verbs[self.verbs[0]].refusal(desk.station)
-
-    def run_verb(self, desk: Desk, verb: str, hosted: Hosted) -> Work | None:
-        """Run a verb on a hosted node, after its question if it has one."""
-        return desk.run_verb(desk.verbs[verb], {"node": hosted.name})
 
     def _selected(self, desk: Desk) -> Hosted:
         """Return the selected node, which runs in this process: else the command is disabled."""
@@ -62,7 +58,8 @@ class StartStop(_NodeCommand):
 
     def run(self, desk: Desk) -> Work | None:
         hosted = self._selected(desk)
-        return self.run_verb(desk, "halt" if hosted.life.is_running else "start", hosted)
+        verb = desk.verbs["halt" if hosted.life.is_running else "start"]
+        return desk.run_verb(verb, {"node": hosted.name})
 
 
 class CopyNode(_NodeCommand):
@@ -179,13 +176,12 @@ class NodeDialog(Dialog):
         When the lifecycle of the node changes, the graph and the node are asked again.
         """
         super().show_view(view)
-        if view.second != self._view.second or view.hosted != self._view.hosted:
-            self._view = view
+        before, lifecycle = self._lifecycle, _lifecycle(view, self._node)
+        drawn = view.second, view.hosted, lifecycle
+        if drawn != (self._view.second, self._view.hosted, before):
+            self._view, self._lifecycle = view, lifecycle
             self.set_text("#node-known", Content(self._state_text(view)))
-        lifecycle = _lifecycle(view, self._node)
-        if lifecycle != self._lifecycle:
-            self._lifecycle = lifecycle
-            self.set_text("#node-known", Content(self._state_text(view)))
+        if lifecycle != before:
             start_worker(self, self._update_details, _GROUP)
 
     async def _update_details(self) -> None:
@@ -257,20 +253,16 @@ class NodeDialog(Dialog):
             start_worker(self.app, lambda: work, COMMANDS)
 
     def _set(self, level: str) -> None:
-        if not self.is_asking:
-            self.is_asking = True
-            self.show_message("asking the node ...")
-            start_worker(self.app, partial(self._send_level, level), COMMANDS)
-
-    async def _send_level(self, level: str) -> None:
         values = {"node": self._node, "level": level}
-        outcome = await self._desk.verbs["log_level"].run(self._desk.station, values)
-        self.is_asking = False
+        send = partial(self._desk.verbs["log_level"].run, self._desk.station, values)
+        self.ask(send, self._show_level, "asking the node ...")
+
+    def _show_level(self, outcome: Outcome) -> None:
         if not outcome.ok:
             self.refuse(outcome.text)
-            return
-        self.show_message("")
-        await self._update_details()
+        else:
+            self.show_message("")
+            start_worker(self, self._update_details, _GROUP)
 
 
 def _lifecycle(view: View, name: str) -> str:

@@ -113,11 +113,15 @@ def palette_choices(desk: Desk) -> list[Choice]:
     commands = {c.id: _command_choice(desk, c) for c in listed}
     first = [commands.pop(name) for name in _FIRST if name in commands]
     screenshot = "screenshot export svg"
+
+    def save() -> None:  # Once the palette has gone.
+        desk.call_after_refresh(desk.deliver_screenshot)
+
     rows = [
         *first,
         *commands.values(),
         Choice("Choose a theme", partial(_open_themes, desk), desk.theme, words=_THEME_WORDS),
-        Choice("Save a picture of the screen", partial(_write_screenshot, desk), words=screenshot),
+        Choice("Save a picture of the screen", save, words=screenshot),
         *_place_choices(desk),
         *_node_choices(desk),
         *_parameter_choices(desk),
@@ -126,19 +130,9 @@ def palette_choices(desk: Desk) -> list[Choice]:
     return sorted(rows, key=lambda choice: bool(choice.reason))
 
 
-def _write_screenshot(desk: Desk) -> None:
-    """Save the screen as SVG in the user's folder of downloads, once the palette has gone."""
-    desk.call_after_refresh(desk.deliver_screenshot)
-
-
-def _go_command(desk: Desk) -> Command | None:
-    """Return the command that sends a goal; None in a replay."""
-    return next((c for c in desk.registry if c.id == "go" and c.is_listed), None)
-
-
 def _place_choices(desk: Desk) -> Iterator[Choice]:
     """Yield a row for each place and each list of goals; none in a replay."""
-    if _go_command(desk) is None:
+    if not any(command.id == "go" and command.is_listed for command in desk.registry):
         return
     places, station = desk.station.places, desk.station
     for go in (verb for verb in desk.verbs.values() if isinstance(verb, Go)):

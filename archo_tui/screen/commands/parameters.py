@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from textual.app import ComposeResult
-from textual.containers import Vertical
 from textual.content import Content
-from textual.markup import escape
 from textual.widgets import Static
 
 from archo_tui.base.errors import ArchoError
@@ -22,10 +20,9 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.screen.commands.base import IN_PANEL, Command, Desk, VerbCommand, Work
 from archo_tui.screen.dialog import AskPath, Form
-from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.screen.widgets.panel import ScreenState
 from archo_tui.screen.widgets.parameters_panel import ParametersPanel
-from archo_tui.verbs.parameters import CHANGE, NOBODY
+from archo_tui.verbs.parameters import NOBODY
 
 _DEFAULT_FILE = "archo_params.yaml"
 
@@ -52,6 +49,7 @@ class _SetCommand(_InParameters):
 class Edit(_SetCommand):
     id, key = "edit", "enter"
     help = "Edit the selected parameter"
+    restores = False  # True: the value at the start is in the field of the dialog at first.
 
     def run(self, desk: Desk) -> None:
         desk.main.parameters.take_focus()  # Shows the cursor, so that the parameter is visible.
@@ -62,19 +60,14 @@ class Edit(_SetCommand):
     def open(self, desk: Desk, parameter: Parameter) -> None:
         """Open the dialog in which a parameter is edited."""
         send = partial(self.set, desk, parameter)
-        desk.open(EditParameter(parameter, send, self.initial_value(parameter)))
-
-    def initial_value(self, parameter: Parameter) -> Any:
-        """Return the value in the field of the dialog at first: by default the present value."""
-        return parameter.value
+        offered = parameter.initial if self.restores else parameter.value
+        desk.open(EditParameter(parameter, send, offered))
 
 
 class EditWithInitial(Edit):
     id, key = "restore", "backspace"
     help = "Restore the selected parameter: opens its dialog with the value at the start"
-
-    def initial_value(self, parameter: Parameter) -> Any:
-        return parameter.initial
+    restores = True
 
 
 class SwitchBoolean(_SetCommand):
@@ -83,7 +76,7 @@ class SwitchBoolean(_SetCommand):
     waits_for_answer = True
 
     def disabled_reason(self, desk: Desk) -> str:
-        if not desk.main.parameters.shows_cursor:
+        if not desk.main.parameters.rows.shows_cursor:
             return "no parameter is selected: choose one with ↑ ↓ first"
         selected = desk.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):
@@ -127,34 +120,21 @@ class FilterParameters(_InParameters):
         desk.main.parameters.search.open()
 
 
-class UndoKey(VerbCommand):
-    where, panel = IN_PANEL, ParametersPanel
-    key = "u"
-    waits_for_answer = True
-
-    def run(self, desk: Desk) -> Work | None:
-        return desk.run_verb(self.verb, {CHANGE: desk.station.edits.last})
-
-
 class SaveKey(VerbCommand):
     where, panel = IN_PANEL, ParametersPanel
     key = "ctrl+s"
 
     def run(self, desk: Desk) -> None:
-        warned: set[Path] = set()  # Existing files that the operator was warned about.
-
         async def save(path: Path) -> str:
             station = desk.station
             values = await self.verb.prepare(station, {"file": str(path)})
-            if path not in warned and self.verb.question(station, values) is not None:
-                warned.add(path)
-                return f"{path} already exists: press enter again to overwrite"
             outcome = await self.verb.run(station, values)
             if outcome.ok:
                 desk.show_message(f"Saved to {path}.")
             return "" if outcome.ok else outcome.text
 
-        desk.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
+        title = "Save parameters"
+        desk.open(AskPath(title, "ROS parameter file", _DEFAULT_FILE, save, writes=True))
 
 
 class LoadKey(VerbCommand):
@@ -187,7 +167,8 @@ class EditParameter(Form):
     ) -> None:
         # In full, since all of the field is sent.
         self._text = safe(typed_text(offered))
-        super().__init__("value", self._text, disabled=parameter.read_only)
+        title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
+        super().__init__("value", self._text, title=title, disabled=parameter.read_only)
         self._offered = offered
         self._parameter, self._send = parameter, send
         self._shown = parameter.value  # The present value.
@@ -197,17 +178,11 @@ class EditParameter(Form):
         if parameter.read_only:
             self.hint = Content(f"{parameter.name} is read-only: it can only be set at startup")
 
-    def body(self) -> ComposeResult:
+    def above_field(self) -> ComposeResult:
         parameter = self._parameter
-        with Vertical(classes="dialog") as box:
-            title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
-            box.border_title = escape(title)
-            box.border_subtitle = "enter set   esc cancel"
-            yield Static(Content(parameter.description or "no description"))
-            yield Static(_value_line(parameter.value), id="now")
-            yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
-            yield self.field
-            yield from self.below_field()
+        yield Static(Content(parameter.description or "no description"))
+        yield Static(_value_line(parameter.value), id="now")
+        yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
 
     def show_view(self, view: ScreenState) -> None:
         """Show the present value, which others may change meanwhile; the field keeps its text."""
@@ -220,16 +195,12 @@ class EditParameter(Form):
             self.set_text("#now", _value_line(value))
 
     def submit(self, typed: str) -> None:
-        if self.is_asking:
-            return
         try:
             value = self._parse(typed)
         except ValueError as error:
             self.show_message(str(error))
-            return
-        self.is_asking = True
-        self.show_message("asking the node ...")
-        start_worker(self.app, partial(self._set, value), COMMANDS)
+        else:
+            self.ask(partial(self._send, value), self.finish, "asking the node ...")
 
     def _parse(self, typed: str) -> Any:
         """Return the value that a text means; ValueError if it is none of the parameter's.
@@ -243,11 +214,6 @@ class EditParameter(Form):
             if HIDDEN in typed:
                 raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it again")
         return parse(self._parameter, typed)
-
-    async def _set(self, value: Any) -> None:
-        outcome = await self._send(value)
-        self.is_asking = False
-        self.finish(outcome)
 
 
 def _value_line(value: Any) -> Content:

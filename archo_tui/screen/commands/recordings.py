@@ -22,10 +22,9 @@ from archo_tui.base.system import command_line
 from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.screen.commands.base import LONGEST, Command, Desk, Work
+from archo_tui.screen.commands.base import LONGEST, Command, Desk
 from archo_tui.screen.dialog import ListDialog
 from archo_tui.screen.terminal.app import start_worker
-from archo_tui.screen.widgets.rows import Rows
 from archo_tui.text.columns import Columns, Text, crop
 
 _POLL = 0.1  # Seconds between two looks for an alarm.
@@ -36,10 +35,7 @@ class ShowRecordings(Command):
     id = "recordings"
     help = "List the recordings: when, why, how long; play one, copy its command, delete one"
 
-    def run(self, desk: Desk) -> Work:
-        return self._show(desk)
-
-    async def _show(self, desk: Desk) -> None:
+    async def run(self, desk: Desk) -> None:
         with desk.opening():
             found = await list_recordings(desk)
         if found is not None:
@@ -149,22 +145,17 @@ class RecordingList(ListDialog[Recording]):
 
     def __init__(self, desk: Desk, recordings: Sequence[Recording]) -> None:
         """Create the list; the newest recording comes first."""
-        rows: Rows[Recording] = Rows(
+        super().__init__(
+            "Recordings",
             recording_lines,
             lambda recording: recording.name,
-            id="recordings",
             action="screen.play",
-            empty="No recordings.",
         )
-        super().__init__("Recordings", rows)
         self._desk, self._recordings = desk, recordings
 
     def on_mount(self) -> None:
         self.rows.show_cursor()
-        self.show_items(self._recordings)
-
-    def _refuse(self, text: str) -> None:
-        self._desk.report_failure(Outcome(Code.REFUSED, text))
+        self.show_items(self._recordings, "No recordings.")
 
     def action_play(self) -> None:
         """Play the recording under the cursor; where no terminal can be lent, copy its command."""
@@ -193,7 +184,8 @@ class RecordingList(ListDialog[Recording]):
         try:
             await in_daemon(store.delete, recording)
         except OSError as error:
-            self._refuse(f"not deleted: {error.strerror or error}")
+            text = f"not deleted: {error.strerror or error}"
+            self._desk.report_failure(Outcome(Code.REFUSED, text))
         else:
             note = f"recording {recording.name} deleted"
             self._desk.station.robot.note("YOU", "console", note)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from textual import events
 from textual.app import ComposeResult
@@ -17,7 +18,15 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screen.commands import registry
-from archo_tui.screen.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, Desk, PanelKey
+from archo_tui.screen.commands.base import (
+    EVERYWHERE,
+    IN_PANEL,
+    NOT_TYPING,
+    Command,
+    Desk,
+    PanelKey,
+    everywhere,
+)
 from archo_tui.screen.commands.console import Quit
 from archo_tui.screen.dialog import ShowText
 from archo_tui.screen.main import PANELS
@@ -35,6 +44,7 @@ _HARMLESS = frozenset(
         *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette"),
     )
 )
+_QUIT = "Quit the replay, also while typing"
 _TOGETHER = 0.05  # Seconds between marks that count as one moment.
 _LEFT_WIDTH = 21  # Cells of the speed and of both times.
 _HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
@@ -129,7 +139,8 @@ def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Comma
     not_sent = (NotSent(c) for c in acting if c.key not in used)
     stop = StopConsole() if CONSOLE_SOCKET in os.environ else RefuseStop()
     # The footer is cut behind the first ones.
-    return stop, *own, *not_sent, CopySelection(), QuitReplay(), QuitReplayEverywhere()
+    quit_key = everywhere(QuitReplay(), "quit_everywhere", "ctrl+q", _QUIT)
+    return stop, *own, *not_sent, CopySelection(), QuitReplay(), quit_key
 
 
 class NotSent(Command):
@@ -161,7 +172,7 @@ class MoveInTime(Command):
         id: str,
         key: str,
         help: str,
-        move: Callable[[], str | None],
+        move: Callable[[], object],
         footer: str = "",
         footer_key: str = "",
     ) -> None:
@@ -171,7 +182,7 @@ class MoveInTime(Command):
     def run(self, desk: Desk) -> None:
         message = self._move()
         desk.update_screen()
-        if message:
+        if isinstance(message, str) and message:
             desk.show_message(message)
 
 
@@ -186,20 +197,12 @@ def _time_line_keys(player: Player) -> list[MoveInTime]:
     def play_or_pause() -> None:
         player.play(on=not player.is_playing)
 
-    def begin() -> None:
-        player.go_to(player.start)
-
     def end() -> None:
         player.play(on=False)
         player.go_to(player.end)
 
-    def slower() -> None:
-        player.change_speed(-1)
-
-    def faster() -> None:
-        player.change_speed(1)
-
-    key = MoveInTime
+    key, begin = MoveInTime, partial(player.go_to, player.start)
+    slower, faster = partial(player.change_speed, -1), partial(player.change_speed, 1)
     times, marks = "0.25 to 16 times as fast as it was", "an alarm, a command, the end of a goal"
     return [
         key("play", "space", "Play, or pause", play_or_pause, "Play"),
@@ -209,8 +212,8 @@ def _time_line_keys(player: Player) -> list[MoveInTime]:
         key("on_ten", "shift+right", "10 s on", step(10.0)),
         key("begin", "home", "To the beginning of the recording", begin),
         key("end", "end", "To the end of the recording", end),
-        key("message_before", "comma", "To the message before", lambda: player.step_message(-1)),
-        key("message_after", "full_stop", "To the next message", lambda: player.step_message(1)),
+        key("message_before", "comma", "To the message before", partial(player.step_message, -1)),
+        key("message_after", "full_stop", "To the next message", partial(player.step_message, 1)),
         key("slower", "left_curly_bracket", f"Play slower: {times}", slower),
         key("faster", "right_curly_bracket", f"Play faster: {times}", faster, "Speed", "{}"),
         key("next_mark", "m", f"To the next mark: {marks}", mark(1, "after"), "Mark"),
@@ -270,9 +273,3 @@ class QuitReplay(Quit):
 
     def run(self, desk: Desk) -> None:
         desk.leave()
-
-
-class QuitReplayEverywhere(QuitReplay):
-    id, key, footer = "quit_everywhere", "ctrl+q", ""
-    help = "Quit the replay, also while typing"
-    where = EVERYWHERE

@@ -10,13 +10,13 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.geometry import Size
+from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
 from archo_tui.base.safe_text import harmless
 from archo_tui.screen.commands.base import Desk
 from archo_tui.screen.dialog import Dialog
-from archo_tui.screen.terminal.stop_marks import now
 from archo_tui.screen.widgets.field import Button
 from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
@@ -84,7 +84,7 @@ class AnswerRequest(Dialog):
         self.call_after_refresh(self._set_drawn)
 
     def _set_drawn(self) -> None:
-        self._drawn_at, self._drawn_size = now(), self._size_of_question
+        self._drawn_at, self._drawn_size = Message().time, self._size_of_question
 
     @property
     def _size_of_question(self) -> Size:

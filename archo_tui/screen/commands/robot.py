@@ -17,9 +17,8 @@ from archo_tui.screen.commands.base import (
     Work,
     asking_first,
 )
-from archo_tui.screen.dialog import Dialog, Form
+from archo_tui.screen.dialog import AskText, Dialog
 from archo_tui.screen.message_form import MessageForm
-from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.verb import Verb
 
@@ -63,10 +62,8 @@ class FormGoalKey(VerbCommand):
         kind = self._go.kind
         if not kind.form:
             return desk.run_verb(self._go, {goals.GOALS: [{}]})
-        message_fields, typed = (
-            desk.view.snapshot.forms[kind.id],
-            desk.typed.setdefault(kind.id, {}),
-        )
+        message_fields = desk.view.snapshot.forms[kind.id]
+        typed = desk.typed.setdefault(kind.id, {})
 
         async def send(values: Mapping[str, Any]) -> Outcome:
             try:
@@ -117,16 +114,6 @@ class CancelKey(VerbCommand):
         return desk.run_verb(self.verb, {goals.RUNNING: running})
 
 
-class CancelAllKey(VerbCommand):
-    def __init__(self, verb: Verb) -> None:
-        super().__init__(verb)
-        self.id = "cancel_all"
-        self.help = "Cancel every goal, whoever sent it (asks first)"
-
-    def run(self, desk: Desk) -> Work | None:
-        return desk.run_verb(self.verb, {"--all": True})
-
-
 class StopKey(VerbCommand):
     key = "ctrl+x"
     where = EVERYWHERE
@@ -143,19 +130,6 @@ class StopKey(VerbCommand):
         if desk.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
         return super().run(desk)
-
-
-class ReleaseKey(VerbCommand):
-    key = "R"
-    waits_for_answer = True
-
-
-class ContinueKey(VerbCommand):
-    key = "n"
-
-
-class SkipKey(VerbCommand):
-    key = "k"
 
 
 class GiveKey(VerbCommand):
@@ -212,33 +186,14 @@ class SaveUnderName(VerbCommand):
         self.verbs = (verb.id, *others)
 
     def run(self, desk: Desk) -> None:
-        desk.open(AskName(desk, self.verb))
+        async def save(name: str) -> str:
+            station = desk.station
+            try:
+                values = await self.verb.prepare(station, self.verb.values([name]))
+                outcome = await self.verb.run(station, values)
+            except (ArchoError, ValueError) as error:
+                return str(error)
+            desk.show_message(outcome.text)
+            return ""
 
-
-class AskName(Form):
-    """A dialog with a field for a name, which stays open until the verb with it succeeds."""
-
-    submit_label = "Save"
-
-    def __init__(self, desk: Desk, verb: Verb) -> None:
-        super().__init__("name", title=verb.title, text=f"{verb.help}:")
-        self._desk, self._verb = desk, verb
-
-    def submit(self, typed: str) -> None:
-        """Begin to run the verb with the typed name; a second call is ignored."""
-        if not self.is_asking:
-            self.is_asking = True
-            start_worker(self.app, lambda: self._save(typed.strip()), COMMANDS)
-
-    async def _save(self, name: str) -> None:
-        station = self._desk.station
-        try:
-            values = await self._verb.prepare(station, self._verb.values([name]))
-            outcome = await self._verb.run(station, values)
-        except (ArchoError, ValueError) as error:
-            self.show_message(str(error))
-        else:
-            self._desk.show_message(outcome.text)
-            self.dismiss()
-        finally:
-            self.is_asking = False
+        desk.open(AskText("name", self.verb.title, f"{self.verb.help}:", "", save))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 
 from textual.color import Color
@@ -61,13 +62,12 @@ def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
-    lights = [_luminance(back) for back in behind]  # Computed once for hundreds of steps.
     found = {}
     known = {**variables, "stopped": _STOPPED}
     for name, (begin, least) in _TONES.items():
         first = Color.parse(known[begin])
         steps = (first.blend(front, step / 50) for step in range(51))
-        readable = (c for c in steps if _least_ratio(c, lights) >= least)
+        readable = (c for c in steps if min(contrast(c, back) for back in behind) >= least)
         found[name] = next(readable, front).hex
     edge = Color.parse(variables.get("edge", found["edge"]))
     return {**found, "stopped": _STOPPED, "shade": behind[0].blend(edge, _SHADE).hex}
@@ -88,15 +88,11 @@ def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
 
 def contrast(one: Color, other: Color) -> float:
     """Return the contrast ratio of two colours, 1 to 21, by WCAG 2.1."""
-    return _least_ratio(one, [_luminance(other)])
+    darker, lighter = sorted((_luminance(one), _luminance(other)))
+    return (lighter + 0.05) / (darker + 0.05)
 
 
-def _least_ratio(colour: Color, lights: list[float]) -> float:
-    """Return the lowest contrast ratio of a colour to backgrounds, given by their luminances."""
-    own = _luminance(colour)
-    return min((max(own, light) + 0.05) / (min(own, light) + 0.05) for light in lights)
-
-
+@lru_cache  # Hundreds of colours are compared with the same few.
 def _luminance(colour: Color) -> float:
     parts = (
         part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -87,12 +86,7 @@ def _in_colour(line: Content, doing: str, view: View) -> Content:
 
 def clock(view: View) -> Content:
     """Return the local time of day, `12:04:31 `, so that a frozen screen is noticed."""
-    return _clock_text(int(view.time))
-
-
-@lru_cache(maxsize=1)
-def _clock_text(time: int) -> Content:
-    return Content.styled(f"{time_of_day(time)} ", "bold")
+    return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
 def banner(view: ScreenState, width: int) -> Content:

@@ -36,7 +36,6 @@ class BatteryPanel(Panel, can_focus=True):
         self.keys = tuple((command.id, command.title.lower()) for command in ours)
         self._line, self._gauge = Line(id="battery-line"), Line(id="battery-gauge")
         self._history, self._trend = Line(id="battery-history"), Line(id="battery-trend")
-        self._sampled: object = None  # What the sparkline was made of.
 
     def compose(self) -> ComposeResult:
         yield from (self._line, self._gauge, self._history, self._trend)
@@ -52,10 +51,8 @@ class BatteryPanel(Panel, can_focus=True):
         tone = ACTIVE if tone == PLAIN else tone
         bar = charge_bar(battery.percentage, snapshot.low_charge, width, tone)
         self._gauge.show_spans(bar)
-        sampled = snapshot.charge, width
-        if sampled != self._sampled:  # Samples change once a second, however fast readings come.
-            self._sampled = sampled
-            self._history.show_spans(((sparkline(*sampled), OLD),))
+        if self.is_news(snapshot.charge, width):  # Once a second, however fast readings come.
+            self._history.show_spans(((sparkline(snapshot.charge, width), OLD),))
         self._trend.show_spans(_trend(snapshot, view.now, width))
         self.show_publishers(view, self._topic)
         low = snapshot.low_charge

@@ -126,10 +126,9 @@ class EventsPanel(ListPanel[Event]):
         matches, typed = self.search.matches, self.search.search_text
         at = f" at {self._level} and above."
         nothing = f"Nothing contains {typed}{at}" if typed else _NO_EVENTS[:-1] + at
-        self.rows.empty = nothing if self._events else _NO_EVENTS
         latest = reversed(self._events)
         at_level = [event for event in latest if is_shown(event, self._level, self._hosted)]
         shown = [event for event in at_level if matches(event.source, event.text)]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
         self.show_narrowed(level, self.search.show_count(len(shown), len(at_level)))
-        self.rows.show(shown)
+        self.rows.show(shown, nothing if self._events else _NO_EVENTS)

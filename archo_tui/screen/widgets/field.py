@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Protocol, cast
+from typing import Any, cast
 
 from textual import events, widgets
 from textual.app import ComposeResult
@@ -187,13 +187,6 @@ class Search(Field):
 _LINE_PAD = 2  # Cells around the label, as `line-pad: 1` below has it on either side.
 
 
-class RunsCommands(Protocol):
-    """The part of the app that a button uses."""
-
-    def action_command(self, name: str) -> None:
-        """Run a command by its id, or say why it cannot run."""
-
-
 class Button(widgets.Button, inherit_css=False):
     """A button that calls a function or runs a command at once, where Textual's posts a message.
 
@@ -218,7 +211,7 @@ class Button(widgets.Button, inherit_css=False):
         super().press()
         if not self.disabled and self.display:
             if isinstance(self._does, str):
-                cast("RunsCommands", self.app).action_command(self._does)
+                cast("Any", self.app).action_command(self._does)
             else:
                 self._does()
         return self

@@ -10,26 +10,18 @@ from textual.containers import Horizontal
 from textual.widget import Widget
 from textual.widgets import Static
 
-from archo_tui.robot.messages.typed import is_integer, is_number, parse_field
+from archo_tui.robot.messages.typed import FieldError, is_integer, is_number, parse_all
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.screen.widgets.field import INTEGER, NUMBER, Button, Field
-from archo_tui.screen.widgets.line import Line, TextLines
+from archo_tui.screen.widgets.line import Line
 from archo_tui.screen.widgets.panel import Panel, ScreenState
 from archo_tui.text.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.text.state import BAD
 
 _RECALLED = 50  # Goals that the arrows recall.
-
-
-class _InvalidTextError(ValueError):
-    """The error that the text of the field with this number is not valid; its message says why."""
-
-    def __init__(self, text: str, number: int) -> None:
-        super().__init__(text)
-        self.number = number
 
 
 class GoalPanel(Panel):
@@ -39,7 +31,7 @@ class GoalPanel(Panel):
     keys = ("go", "go"), ("cancel", "cancel")
     other_keys = {"go": "enter"}
     _watching = False
-    _shows_hint = _shows_refusal = False  # Of the robot.
+    _shows_refusal = False  # Of the robot.
 
     # Called with the values of each goal by dotted path, in the order of sending. Set by the owner,
     # as `on_typed`.
@@ -81,7 +73,7 @@ class GoalPanel(Panel):
         # The goals that the arrows recall, the oldest first: a text for each field.
         self.typed: list[list[str]] = []
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
-        self._hint, self._bar = Line(id="goal-hint"), TextLines(id="goal-bar")
+        self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
 
     def compose(self) -> ComposeResult:
@@ -110,7 +102,7 @@ class GoalPanel(Panel):
         self._snapshot = snapshot
         width, rows = self._bar.size
         self.show_keys(view)
-        self._bar.show(goal_strip(snapshot.goal, width, rows))
+        self._bar.show_spans(*goal_strip(snapshot.goal, width, rows))
         go = "" if self.focused_field else view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
         line = goal_line(snapshot, view.now, ask, width)
@@ -154,10 +146,6 @@ class GoalPanel(Panel):
         ):
             field.fill(text)
 
-    def set_typed(self, typed: list[list[str]]) -> None:
-        """Set the goals that the arrow keys recall, the oldest first; begin behind the newest."""
-        self.typed, self._typed_index = typed, len(typed)
-
     def _on_changed(self) -> None:
         """Remove the hint, call `on_typed`, and scroll the panel into view if a field has text."""
         self.show_hint()
@@ -167,15 +155,10 @@ class GoalPanel(Panel):
 
     def show_hint(self, text: str = "") -> None:
         """Show why a goal is not sent, until the next key; "" removes it."""
-        self._shows_hint, self._shows_refusal = text != "", False
+        self._shows_refusal = False
         if self._has_several_fields:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.show_spans(((text, BAD),))
-
-    def forget_hint(self) -> None:
-        """Remove the hint that is shown: a key was pressed."""
-        if self._shows_hint:
-            self.show_hint()
 
     def show_refusal(self, text: str) -> None:
         """Show why the robot refuses a goal, until the next key.
@@ -199,33 +182,28 @@ class GoalPanel(Panel):
             return
         try:
             goals = self._parse(self._kind, typed)
-        except _InvalidTextError as error:
+        except FieldError as error:
             self.show_hint(str(error))
-            self.screen.set_focus(self.fields[error.number])
+            paths = [message_field.path for message_field in self._message_fields]
+            self.screen.set_focus(self.fields[paths.index(error.path)])
             return
         self.show_hint("")
         for field in self.fields:
             field.clear()
         if self.fields:
             self.screen.set_focus(self.fields[0])
-        self.set_typed([*[old for old in self.typed if old != typed], typed][-_RECALLED:])
+        self.typed = [*[old for old in self.typed if old != typed], typed][-_RECALLED:]
+        self._typed_index = len(self.typed)
         self.send(goals)
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
-        """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text."""
+        """Return the values of each goal by dotted path; FieldError for a wrong text."""
         # A line may have several goals if a goal is a single number.
         takes_several = len(self.fields) == 1 and is_number(self._message_fields[0])
         rows = [[word] for word in typed[0].split()] if takes_several else [typed]
-        goals, form = [], self._snapshot.form(kind)
-        for row in rows:
-            values: dict[str, Any] = {}
-            for number, (field, text) in enumerate(zip(self._message_fields, row, strict=True)):
-                try:
-                    values[field.path] = parse_field(field, form[field.path], text)
-                except ValueError as error:
-                    raise _InvalidTextError(str(error), number) from None
-            goals.append(values)
-        return goals
+        form, paths = self._snapshot.form(kind), [field.path for field in self._message_fields]
+        texts = (dict(zip(paths, row, strict=True)) for row in rows)
+        return [parse_all(self._message_fields, form, of_goal) for of_goal in texts]
 
 
 def _allowed_characters(message_field: TypedField) -> str:

@@ -60,17 +60,10 @@ class GraphPanel(ListPanel[ResourceRow]):
             wraps=True,
             columns=resource_columns,
         )
-        self._drawn_inputs: object = None
 
     def show(self, view: ScreenState) -> None:
         if not self.display and self.rows.items:  # Filled once while hidden, for keys typed ahead.
             return
         self.show_keys(view)
-        if view.replay:
-            self.rows.empty = NONE_RECORDED
-        drawn = view.second, view.snapshot.resources
-        if drawn != self._drawn_inputs:
-            self._drawn_inputs = drawn
-            rows = resource_rows(view)
-            known = {row: row for row in self.rows.items}  # Equal rows are not laid out again.
-            self.rows.show([known.get(row, row) for row in rows])
+        if self.is_news(view.second, view.snapshot.resources):
+            self.rows.show(resource_rows(view), NONE_RECORDED if view.replay else None)

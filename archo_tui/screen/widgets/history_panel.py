@@ -13,7 +13,7 @@ from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.topics.rows import Range
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.screen.widgets.line import TextLines
+from archo_tui.screen.widgets.line import Line
 from archo_tui.screen.widgets.panel import FULL_SCREEN, Panel, ScreenState
 from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
@@ -155,8 +155,7 @@ class HistoryPanel(Panel, can_focus=True):
         super().__init__(snapshot)
         self._plots = plots(snapshot.file)
         self._span = 1  # Index in SPANS.
-        self._lines = TextLines()
-        self._drawn_inputs: object = None
+        self._lines = Line(id="plots")
 
     def compose(self) -> ComposeResult:
         yield self._lines
@@ -170,12 +169,11 @@ class HistoryPanel(Panel, can_focus=True):
         self.show_keys(view, "since the start" if span < chosen else last)
         latest = current_values(view.snapshot, view.now)
         known = tuple(value is not None for value in latest.values())
-        drawn = (view.second, span, self._lines.size, view.snapshot.history, known)
-        if drawn != self._drawn_inputs:
-            self._drawn_inputs = drawn
+        if self.is_news(view.second, span, self._lines.size, view.snapshot.history, known):
             is_full = self.screen.has_class("-full")
             more = "" if is_full else f": press {view.key('history')}"
-            self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
+            lines = history_lines(self._plots, view, span, *self._lines.size, more)
+            self._lines.show_spans(*lines)
 
     def change_span(self, by: int) -> None:
         """Choose the next longer (1) or shorter (-1) span of SPANS, if there is one."""

@@ -75,10 +75,6 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     return [(f"{glyph} {in_columns((row.label, ago, _rate(row)), columns, (1, 2), gap=1)}", style)]
 
 
-def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
-    return before if before is not None and before == now else now
-
-
 class NodesPanel(ListPanel[NodeRow]):
     """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
 
@@ -97,7 +93,6 @@ class NodesPanel(ListPanel[NodeRow]):
             columns=node_columns,
         )
         self._titles = Line(id="node-titles")  # The style sheet shows it where there is room.
-        self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
         yield self._titles
@@ -112,15 +107,9 @@ class NodesPanel(ListPanel[NodeRow]):
         self.keys = (("restart", "restart"), *_KEYS) if view.restart_waits else _KEYS
         self.show_keys(view)
         self.show_narrowed("restart waits" if view.restart_waits else "")
-        if view.replay:
-            self.rows.empty = NONE_RECORDED
         # Ages change once a second only, so that many messages cause little traffic.
-        drawn = (view.second, view.hosted, len(view.snapshot.nodes))
-        if drawn != self._drawn_inputs:
-            self._drawn_inputs = drawn
-            before = {row.name: row for row in self.rows.items}
-            # Equal rows stay the same objects, so that only changed ones are laid out.
-            self.rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
+        if self.is_news(view.second, view.hosted, len(view.snapshot.nodes)):
+            self.rows.show(node_rows(view), NONE_RECORDED if view.replay else None)
         if self.rows.columns:
             titles = node_titles(self.rows.columns)
             self._titles.show(Content.styled(titles if self.rows.items else "", "bold"))

@@ -82,7 +82,9 @@ class Panel(Container):
         self.border_title = f"{self.number} {self.title_text}"
         self._title, self._keys_below = Content(self.border_title), Content("")
         self._narrowed, self._title_more = "", ""  # After the title: plain text, then markup.
-        self._keys_inputs: object = None  # What the keys were last written for.
+        # What the keys, and what takes long to make, were last written for.
+        self._keys_inputs: object = None
+        self._inputs: object = None
 
     @classmethod
     def title_for(cls, _robot: RobotFile) -> str:
@@ -95,6 +97,11 @@ class Panel(Container):
     def show(self, view: ScreenState) -> None:
         """Update the panel; only what has changed is redrawn. A subclass must define it."""
         raise NotImplementedError
+
+    def is_news(self, *inputs: object) -> bool:
+        """Return True if this differs from what the panel was last made of."""
+        before, self._inputs = self._inputs, inputs
+        return inputs != before
 
     def show_keys(self, view: ScreenState, before: str = "") -> None:
         """Write the keys on the lower border, as many as fit; a click on one runs its command.
@@ -185,11 +192,6 @@ class ListPanel(Panel, Generic[T]):
     def selected(self) -> T | None:
         """The item under the cursor; None in an empty list."""
         return self.rows.item
-
-    @property
-    def shows_cursor(self) -> bool:
-        """True once the operator has moved the focus or the cursor to the list."""
-        return self.rows.shows_cursor
 
     @property
     def focus_target(self) -> Widget:

@@ -68,11 +68,9 @@ class ParametersPanel(ListPanel[Parameter]):
 
     def show(self, view: ScreenState) -> None:
         self.show_keys(view)
-        if view.replay and self._waiting == _WAITING:
-            self._waiting = NONE_RECORDED
-            self._refill()
-        if view.snapshot.parameters is not self._parameters:
-            self._parameters = view.snapshot.parameters
+        waiting = NONE_RECORDED if view.replay else _WAITING
+        if view.snapshot.parameters is not self._parameters or waiting != self._waiting:
+            self._parameters, self._waiting = view.snapshot.parameters, waiting
             self._refill()
         self._show_hidden_hint(view)
 
@@ -125,8 +123,7 @@ class ParametersPanel(ListPanel[Parameter]):
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
             empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
-        self.rows.empty = empty
-        self.rows.show(shown)
+        self.rows.show(shown, empty)
         changed = "what differs from the start" if self._only_changed else ""
         self.show_narrowed(changed, self.search.show_count(len(shown), total))
         self._show_titles()

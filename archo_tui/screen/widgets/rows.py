@@ -15,20 +15,19 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.screen.widgets.line import LineWidget
 from archo_tui.text.columns import QUIET, Columns, Text, crop
 from archo_tui.text.state import not_drawn
 
 T = TypeVar("T")
 
 
-class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
+class Rows(ScrollView, Generic[T], can_focus=True):
     """A list with a cursor, whose cost depends on the visible items only."""
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
-    without_focus = False  # True if the cursor is shown without the focus, too.
+    without_focus = False  # True: the cursor needs no focus, and the first click on a row acts.
 
     def __init__(
         self,
@@ -46,12 +45,13 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         super().__init__(id=id)
         self._action = action
         self._draw, self._key, self._empty, self._wraps = lines, key, empty, wraps
-        self._items: Sequence[T] = ()
+        self.items: Sequence[T] = ()  # Those that are shown.
         # If items wrap: the items laid out, the lines of each, and the number of its first line.
         self._laid_out: Sequence[T] = ()
         self._lines: list[Sequence[Text]] = []
         self._starts: list[int] = []
         self._drawn_lines: dict[int, tuple[Text, bool]] = {}  # What each visible line shows.
+        self._base = Style()  # Of a blank cell.
         self._measure = columns
         self.columns: Columns = ()  # Of the last layout.
         self._width = 0  # The width of the layout; the widget's own may be newer.
@@ -59,41 +59,28 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         self.shows_cursor = False  # True once the operator has moved to it or in it.
 
     @property
-    def items(self) -> Sequence[T]:
-        """Return the items shown."""
-        return self._items
-
-    @property
-    def empty(self) -> str:
-        """Return the text of an empty list."""
-        return self._empty
-
-    @empty.setter
-    def empty(self, text: str) -> None:
-        if text != self._empty:
-            self._empty = text
-            if not self._items:  # Otherwise the text is not visible.
-                self.redraw_changed()
-
-    @property
     def item(self) -> T | None:
         """Return the item under the cursor, or None in an empty list."""
-        return self._items[self.cursor] if self.cursor < len(self._items) else None
+        return self.items[self.cursor] if self.cursor < len(self.items) else None
 
     @property
     def item_key(self) -> object:
         """Return what identifies the item under the cursor; None in an empty list."""
         return None if self.item is None else self._key(self.item)
 
-    def show(self, items: Sequence[T]) -> None:
+    def show(self, items: Sequence[T], empty: str | None = None) -> None:
         """Show other items, and keep the cursor on its item; equal items change nothing.
 
-        A cursor on the first line stays there, since new items come first.
+        A cursor on the first line stays there, since new items come first. `empty` is the text in
+        the place of no items; None leaves it as it is.
         """
-        if items == self._items:
+        self._empty = self._empty if empty is None else empty
+        if items == self.items:
+            if not items:
+                self.redraw_changed()
             return
         here = self.item
-        self._items = items
+        self.items = items
         if self.cursor > 0 and here is not None:
             wanted = self._key(here)
             found = (n for n, item in enumerate(items) if self._key(item) == wanted)
@@ -132,9 +119,9 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
     def _lay_out(self) -> None:
         before, had_bar = (self._width, self.columns), self.show_vertical_scrollbar
         self._width = self.scrollable_content_region.width
-        self.columns = self._measure(self._items, self._width)
+        self.columns = self._measure(self.items, self._width)
         is_changed = (self._width, self.columns) != before
-        total = self._wrap(is_changed) if self._wraps else len(self._items)
+        total = self._wrap(is_changed) if self._wraps else len(self.items)
         size = Size(self._width, total)
         if not had_bar and self._fits(size) and self._fits(self.virtual_size):
             self.set_reactive(Rows.virtual_size, size)  # Spares a layout of the screen.
@@ -160,15 +147,19 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         return size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
-        """Lay out the items, or (if `is_changed` is False) new objects only; return the lines."""
-        known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
-        self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
-        self._laid_out = self._items  # Keeps the objects alive, whose ids are the keys above.
+        """Lay out the items, or (if `is_changed` is False) what differs only; return the lines."""
+        pairs = () if is_changed else zip(self._laid_out, self._lines, strict=True)
+        known = {self._key(item): (item, lines) for item, lines in pairs}
+        self._lines = []
+        for item in self.items:
+            before, lines = known.get(self._key(item), (None, ()))
+            self._lines.append(lines if before == item else self._draw_item(item))
+        self._laid_out = self.items
         *self._starts, total = accumulate(map(len, self._lines), initial=0)
         return total
 
     def _lines_of(self, number: int) -> Sequence[Text]:
-        return self._lines[number] if self._wraps else self._draw_item(self._items[number])
+        return self._lines[number] if self._wraps else self._draw_item(self.items[number])
 
     def _draw_item(self, item: T) -> Sequence[Text]:
         try:
@@ -182,20 +173,24 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         if self._wraps and row < self.virtual_size.height:
             number = self._number_at(row)
             part = row - self._starts[number]
-        if number >= len(self._items):
-            return (self.empty, QUIET) if row == 0 else ("", ""), False
+        if number >= len(self.items):
+            return (self._empty, QUIET) if row == 0 else ("", ""), False
         shown = self.shows_cursor and (self.has_focus or self.without_focus)
         return self._lines_of(number)[part], shown and number == self.cursor
 
     def _number_at(self, row: int) -> int:
         return bisect_right(self._starts, row) - 1 if self._wraps else row
 
+    def render_lines(self, crop: Region) -> list[Strip]:
+        self._base = self.rich_style  # Computed once: it depends on all ancestors.
+        return super().render_lines(crop)
+
     def render_line(self, y: int) -> Strip:
         seen = self._line_at(self.scroll_offset.y + y)
         self._drawn_lines[y] = seen
         (text, style), selected = seen
         width, text = self.size.width, crop(text, self._width)
-        base = self.base
+        base = self._base
         tones = self.app.theme_variables
         words = (tones[word[1:]] if word.startswith("$") else word for word in style.split())
         drawn = base + Style.parse(" ".join(words) or "none")
@@ -206,7 +201,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
 
     def action_press(self, key: str) -> None:
         """Move the cursor by one of KEYS; the first `down` only shows it where it is."""
-        page, count = max(self.size.height - 1, 1), len(self._items)
+        page, count = max(self.size.height - 1, 1), len(self.items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
         way = by.get(key, -count if key.endswith("home") else count)
         self._move(way)
@@ -216,7 +211,7 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         self._move(number - self.cursor)
 
     def _move(self, by: int) -> None:
-        last = max(len(self._items) - 1, 0)
+        last = max(len(self.items) - 1, 0)
         self.shows_cursor = True
         self.cursor = min(max(self.cursor + by, 0), last)
         self._scroll_to_cursor()
@@ -227,9 +222,9 @@ class Rows(ScrollView, LineWidget, Generic[T], can_focus=True):
         if not 0 <= row < self.virtual_size.height:
             return
         number = self._number_at(row)
-        if number != self.cursor or not self.shows_cursor:
-            self.move_to(number)
-        elif self._action:
+        acts = self.without_focus or (number == self.cursor and self.shows_cursor)
+        self.move_to(number)
+        if acts and self._action:
             await self.run_action(self._action)
 
     def _scroll_to_cursor(self) -> None:
