@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from archo_tui.screen.choose import ChoiceRows, Fit, fit, matching
 from archo_tui.screen.commands.palette import palette_choices
 from archo_tui.screen.keyed_app import HELD
@@ -205,6 +207,18 @@ async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> Non
         await op.press("g", "ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")
         await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.5)  # type: ignore[union-attr]
         assert op.app.screen is op.app.main
+
+
+async def test_a_picture_shows_the_screen_without_the_palette(here: Path) -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p", *"picture", "enter")
+        await op.until("SVG file")
+        await op.press("enter")
+        await op.until("Saved to archo.svg.")
+        picture = (here / "archo.svg").read_text()
+        assert picture.startswith("<svg")
+        assert "Battery" in picture
+        assert "type a part of its name" not in picture
 
 
 async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:

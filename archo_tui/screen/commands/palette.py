@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
@@ -9,7 +10,8 @@ from archo_tui.base.errors import ArchoError
 from archo_tui.robot.messages.values import text_of
 from archo_tui.screen.choose import Choice, Choose
 from archo_tui.screen.commands import graph, nodes, parameters
-from archo_tui.screen.commands.base import EVERYWHERE, Command, Desk
+from archo_tui.screen.commands.base import EVERYWHERE, Command, Desk, file_writer
+from archo_tui.screen.dialog import AskPath
 from archo_tui.screen.widgets.panel import ScreenState
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Go
@@ -30,6 +32,7 @@ class OpenPalette(Command):
 
 _FIRST = ("release", "go", "cancel", "stop")
 _DUPLICATES = ("palette", "quit_everywhere")  # The same commands by another key.
+_PICTURE = "Save a picture of the screen"
 _FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
 _THEME_WORDS = "colours colors appearance dark night light bright day high contrast"
 _SEARCH_WORDS = {
@@ -113,21 +116,27 @@ def palette_choices(desk: Desk) -> list[Choice]:
     commands = {c.id: _command_choice(desk, c) for c in listed}
     first = [commands.pop(name) for name in _FIRST if name in commands]
     screenshot = "screenshot export svg"
-
-    def save() -> None:  # Once the palette has gone.
-        desk.call_after_refresh(desk.deliver_screenshot)
-
     rows = [
         *first,
         *commands.values(),
         Choice("Choose a theme", partial(_open_themes, desk), desk.theme, words=_THEME_WORDS),
-        Choice("Save a picture of the screen", save, words=screenshot),
+        Choice(_PICTURE, partial(_save_picture, desk), words=screenshot),
         *_place_choices(desk),
         *_node_choices(desk),
         *_parameter_choices(desk),
         *_topic_choices(desk),
     ]
     return sorted(rows, key=lambda choice: bool(choice.reason))
+
+
+async def _save_picture(desk: Desk) -> None:
+    """Ask where to save the screen as SVG, as it is drawn once the palette has gone."""
+    drawn = asyncio.Event()
+    with desk.opening():
+        desk.call_after_refresh(drawn.set)
+        await drawn.wait()
+        write = file_writer(desk, desk.export_screenshot(), "save a picture")
+    desk.open(AskPath(_PICTURE, "SVG file", "archo.svg", write, writes=True))
 
 
 def _place_choices(desk: Desk) -> Iterator[Choice]:
