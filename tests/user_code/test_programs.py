@@ -204,7 +204,13 @@ threading.Thread(target=os._exit, args=(4,)).start()
 rclpy.spin(node)
 """
 FORKS = "if not os.fork():\n    os._exit(0)\nos.wait()\nos._exit(6)"
-FORK_ENDS = "import os, sys\nif not os.fork():\n    {end}\nsys.exit(os.wait()[1] >> 8)"
+# It waits for its own child: the process of the tests may have others.
+FORK_ENDS = """import os, sys
+child = os.fork()
+if not child:
+    {end}
+sys.exit(os.waitpid(child, 0)[1] >> 8)
+"""
 A_FORK = pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
 
 
