@@ -74,9 +74,10 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         A cursor on the first line stays there, since new items come first. `empty` is the text in
         the place of no items; None leaves it as it is.
         """
+        is_other_text = empty is not None and empty != self._empty
         self._empty = self._empty if empty is None else empty
         if items == self.items:
-            if not items:
+            if is_other_text and not items:
                 self.redraw_changed()
             return
         here = self.item
