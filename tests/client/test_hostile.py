@@ -20,13 +20,11 @@ from archo_tui.client import connection, find, sockets
 from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.stop import sender
-from tests.robot.test_several_servers import Brake
 from tests.support.console import FAST, LONG
 from tests.support.night import corners
 from tests.support.plain import Typed, operated
-from tests.support.robot import making
-from tests.support.ros import begin
 from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+from tests.support.stand_in import Made, StandIn
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -309,13 +307,12 @@ async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sender, "DEADLINE", 60.0)  # on a busy machine 2 s are soon over
-    brakes: list[Brake] = []
-    async with served(making(brakes, Brake, "brake", "nothing")), guest() as one, guest() as other:
-        one.send({"id": 1, "words": ["stop"]})
-        await until(lambda: brakes and brakes[0].asked)
-        other.send({"id": 1, "words": ["stop"]})
-        await until(lambda: brakes[0].asked == 2)
-        begin(brakes[0], lambda: brakes[0].awake.set_result(True))
+    brake = Made(StandIn, "brake", "nothing")
+    async with served(brake), guest() as one, guest() as other:
+        for number, guest_ in enumerate((one, other), 1):
+            guest_.send({"id": 1, "words": ["stop"]})
+            await until(lambda number=number: len(brake.node.stops) == number)  # type: ignore[misc]
+        brake.node.wake()
         for guest_ in (one, other):
             assert (await guest_.result())["code"] == "done"
 

@@ -7,18 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.msg import MotorStatus
 from textual.widgets import Button
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screen.terminal.keyboard import Keyboard
 from archo_tui.screen.terminal.stop_marks import dispatch, mark_stops, marks_of
 from archo_tui.session.session import _robots_nodes
-from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console, key_event
 from tests.support.peer import Peer
 from tests.support.quiet import Quiet, ended
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import STATES
 from tests.support.stub import StandingClock, stub_app
 
@@ -169,39 +168,23 @@ async def test_a_file_that_was_asked_for_is_saved_before_the_end(here: Path) -> 
     assert (here / "archo_params.yaml").exists()
 
 
-class Slow(Busy):
-    """Says whether it is stopped, too."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options)
-        self.status = self.create_publisher(MotorStatus, "motor_status", 10)
-        self.create_timer(0.2, self.tell)
-
-    def tell(self) -> None:
-        self.status.publish(MotorStatus(emergency_stopped=self.latched))
-
-
 async def test_a_stop_pressed_again_behind_anothers_release_is_sent() -> None:
-    made: list[Slow] = []
-
-    def slow(**options: Any) -> Slow:
-        made.append(Slow(**options))
-        return made[-1]
-
+    slow = Made(StandIn, "slow", "yes", release="nothing", latches=True, moving=False)
     async with console(node_makers=[slow], wait=False) as op:
+        slow.node.stopped = True
         await op.until("STOPPED")
         await op.press("ctrl+x")
         release = asyncio.ensure_future(op.session.robot.release_emergency_stop())  # by a shell
         await asyncio.sleep(0)
-        while not made[0].asked:
+        while not slow.node.asked_to_release:
             await asyncio.sleep(LOOK)
         op.send("ctrl+x")  # the same key, and the screen still shows STOPPED
         await op.settle()
-        made[0].wake()
+        slow.node.wake()
         assert (await ended(release)).ok
         later = seconds() + 1.0
         await op.at(later)
-        assert made[0].latched
+        assert slow.node.stopped
 
 
 async def test_a_question_from_before_another_consoles_stop_is_closed() -> None:

@@ -18,7 +18,6 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.session.session import _robots_nodes
-from tests.robot.test_several_servers import Brake
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.peer import Peer
@@ -26,6 +25,7 @@ from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.robot import making
 from tests.support.script import Script, shell
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, goal
 from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
@@ -287,7 +287,7 @@ def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
 
 
 async def test_a_stop_that_is_refused_late_is_said() -> None:
-    async with operated(making([], Brake, "brake", "no", 2.5)) as person:
+    async with operated(Made(StandIn, "brake", "no", seconds=2.5)) as person:
         station = person._plain._station
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
         person.type("stop\n")

@@ -11,12 +11,17 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
+from tests.support.ros import begin
+
 
 class ByHand(Node):
-    """Takes every goal and every cancel at once, and tells no result."""
+    """Takes every goal, at once or when it is told to, and every cancel, and tells no result."""
 
-    def __init__(self, name: str, **options: Any) -> None:
+    def __init__(self, name: str, hesitates: bool = False, **options: Any) -> None:
         super().__init__(name, **options)
+        self.takes: Future[bool] = Future()
+        if not hesitates:
+            self.takes.set_result(True)
         impl: Any = MoveToShelf.Impl
         self.never: Future[bool] = Future()
         self.goal_ids: list[bytes] = []
@@ -36,7 +41,11 @@ class ByHand(Node):
     async def accept(self, request: Any, response: Any) -> Any:
         self.goal_ids.append(bytes(request.goal_id.uuid))
         response.accepted = True
+        await self.takes
         return response
+
+    def take(self) -> None:
+        begin(self, lambda: self.takes.set_result(True))
 
     async def result(self, _: Any, response: Any) -> Any:
         await self.never

@@ -39,3 +39,8 @@ async def robot(
         await until(lambda: len(session.robot.snapshot.nodes) == wanted)
         await until(lambda: session.robot.snapshot.offered >= {*offers.split()})
         yield session.robot
+
+
+def texts(robot: Robot) -> list[str]:
+    """Return the texts of its events, the newest last."""
+    return [event.text for event in robot.snapshot.events]

@@ -1,0 +1,182 @@
+"""A robot of which a test says what it does: STOP and its release, goals, and what it reports."""
+
+from __future__ import annotations
+
+from typing import Any, Generic, TypeVar
+
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import Float32
+from std_srvs.srv import Trigger
+
+from tests.support import clock
+from tests.support.ros import begin
+
+N = TypeVar("N", bound=Node)
+
+
+class Made(Generic[N]):
+    """Makes a node of a class when it is called, and keeps it as `node`."""
+
+    node: N
+
+    def __init__(self, kind: Any, *given: Any, **fixed: Any) -> None:
+        self._kind, self._given, self._fixed = kind, given, fixed
+
+    def __call__(self, **options: Any) -> N:
+        self.node = self._kind(*self._given, **self._fixed, **options)
+        return self.node
+
+
+class StandIn(Node):
+    """Answers STOP and its release with "yes", "no" or, until it is woken, "nothing".
+
+    It serves neither of them if that is "", and goals if these "arrive", or "drive" until they are
+    cancelled. It reports its motion unless that is None, else a battery.
+    """
+
+    def __init__(
+        self,
+        name: str = "robot",
+        stop: str = "",
+        *,
+        release: str = "",
+        goals: str = "",
+        seconds: float = 0.0,
+        feeds: bool = False,
+        heeds: bool = True,
+        latches: bool = False,
+        moving: bool | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(name, **options)
+        self.says, self.releases, self.goals = stop, release, goals
+        self.seconds, self.feeds, self.heeds, self.latches = seconds, feeds, heeds, latches
+        self.moving, self.stopped, self.is_silent = moving, False, False
+        self.stops: list[float] = []  # When each was asked for, and so of the cancels.
+        self.cancels: list[float] = []
+        self.asked_to_release = 0
+        self.running: list[Any] = []
+        self.shelves: list[int] = []
+        self.awake: Future[bool] = Future()
+        self._group = group = ReentrantCallbackGroup()
+        self.service: Any = None
+        if stop:
+            self.offer_stop()
+        if release:
+            self.create_service(
+                Trigger, "release_emergency_stop", self._release, callback_group=group
+            )
+        if goals:
+            self.action = ActionServer(
+                self,
+                MoveToShelf,
+                "move_to_shelf",
+                self._drive,
+                callback_group=group,
+                cancel_callback=self._cancel,
+            )
+        kind, topic = (
+            (Float32, "battery_level") if moving is None else (MotorStatus, "motor_status")
+        )
+        self.report: Any = self.create_publisher(kind, topic, 10)
+        self.create_timer(0.2, self._tell, callback_group=group)
+
+    def offer_stop(self) -> None:
+        self.service = self.create_service(
+            EmergencyStop, "emergency_stop", self._stop, callback_group=self._group
+        )
+
+    def wake(self) -> None:
+        """Have what waits answered."""
+        begin(self, lambda: self.awake.done() or self.awake.set_result(True))
+
+    def leave(self) -> None:
+        """Leave the graph, as the death of its process does."""
+        if self.executor is not None:
+            self.executor.remove_node(self)
+        if self.goals:
+            self.action.destroy()  # rclpy leaves it on the graph when its node is destroyed.
+        self.destroy_node()
+
+    async def sleep(self, seconds: float) -> None:
+        over: Future[bool] = Future(executor=self.executor)
+        timer = self.create_timer(seconds, lambda: over.set_result(True))
+        await over
+        self.destroy_timer(timer)
+
+    async def _stop(self, _: Any, response: Any) -> Any:
+        self.stops.append(clock.seconds())
+        return await self._answer(self.says, response, stopped=True)
+
+    async def _release(self, _: Any, response: Any) -> Any:
+        self.asked_to_release += 1
+        return await self._answer(self.releases, response, stopped=False)
+
+    async def _answer(self, says: str, response: Any, *, stopped: bool) -> Any:
+        if says == "nothing":
+            await self.awake
+        if stopped and self.seconds:
+            await self.sleep(self.seconds)
+        if says != "no" and self.latches:
+            self.stopped = stopped
+        response.success, response.message = says != "no", f"{self.get_name()} {says}"
+        return response
+
+    def _cancel(self, _: Any) -> CancelResponse:
+        self.cancels.append(clock.seconds())
+        return CancelResponse.ACCEPT if self.heeds else CancelResponse.REJECT
+
+    async def _drive(self, goal: Any) -> MoveToShelf.Result:
+        self.shelves.append(goal.request.shelf_number)
+        if self.goals == "arrive":
+            goal.succeed()
+            return MoveToShelf.Result(success=True)
+        self.running.append(goal)
+        while not goal.is_cancel_requested:
+            await self.sleep(0.1)
+        self.running.remove(goal)
+        goal.canceled()
+        return MoveToShelf.Result(final_message="called back")
+
+    def _tell(self) -> None:
+        if self.moving is None:
+            self.report.publish(Float32(data=80.0))
+        elif not self.is_silent:
+            self.report.publish(MotorStatus(moving=self.moving, emergency_stopped=self.stopped))
+        for goal in self.running if self.feeds else ():
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
+
+
+class Other(Node):
+    """Another client, which sends goals of its own, and counts those that ended."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("other", **options)
+        self.ended = 0
+        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
+
+    def go(self, goals: int = 1) -> None:
+        begin(self, self._go, goals)
+
+    def _go(self, goals: int) -> None:
+        for shelf in range(goals):
+            sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf + 1))
+            sent.add_done_callback(
+                lambda done: done.result().get_result_async().add_done_callback(self._count)
+            )
+
+    def _count(self, _: Any) -> None:
+        self.ended += 1
+
+
+def beside(host: Node, node: N) -> N:
+    """Have a node spun by the thread of another one: no host of this process knows it."""
+    assert host.executor is not None
+    begin(host, host.executor.add_node, node)
+    return node
