@@ -1,4 +1,4 @@
-"""Every state of the queue of goals in small worlds: `python -m tests.robot.explore_queue`.
+"""Every state of the queue of goals in small worlds, breadth first.
 
 A person and a client that waits type lists of goals; the robot accepts, refuses or does not answer,
 and its goals end one way or the other; STOP, release, cancel, skip, continue, an alarm, another
@@ -8,7 +8,6 @@ order. Each state is checked against the promises of docs/queue.md and docs/stop
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from enum import Enum, auto
 from functools import partial
@@ -20,7 +19,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
-from tests.robot.exploring import Found, breadth_first, promise
+from tests.robot.exploring import Found, breadth_first, changed, module_of, promise
 from tests.support.archo import ARCHO, SHELF
 
 
@@ -91,7 +90,9 @@ class World(NamedTuple):
     cancelling: tuple[int, ...] = ()  # Goals whose requester is gone, by number.
 
 
-def begin(*lists: tuple[Client, int], module: ModuleType = the_machine, **limits: Any) -> World:
+def begin(
+    lists: tuple[tuple[Client, int], ...], *, module: ModuleType = the_machine, **limits: Any
+) -> World:
     """Return a world in which nothing has happened."""
     return World(module.GoalQueue(), lists, **limits)
 
@@ -111,7 +112,7 @@ def shown(world: World) -> Snapshot:
 
 def done(world: World, queue: Any) -> World:
     """Take the next state of the queue, and do what it says."""
-    module = sys.modules[type(queue).__module__]
+    module = module_of(queue)
     todo, queue = queue.todo, queue._replace(todo=())
     before = world.queue.hold_reason
     if before and queue.hold_reason and before != queue.hold_reason:
@@ -156,7 +157,7 @@ def _runs(sent: Sent) -> bool:
 
 def look(world: World) -> World:
     alarms = frozenset({"low battery"} if world.has_alarm else ())
-    module = sys.modules[type(world.queue).__module__]
+    module = module_of(world.queue)
     holding = module.Holding("low battery" if world.has_alarm else "", alarms)
     return done(world, world.queue.seen(shown(world), 0.0, world.stops, holding))
 
@@ -166,7 +167,7 @@ def look(world: World) -> World:
 
 def type_list(world: World) -> World:
     (client, length), *rest = world.to_type
-    module = sys.modules[type(world.queue).__module__]
+    module = module_of(world.queue)
     number = world.queue.submitted + 1
     goals: list[Any] = [
         module.QueuedGoal(SHELF, {"shelf_number": number + place}, world.stops, client)
@@ -207,11 +208,9 @@ def _coming(world: World) -> int:
 
 
 def end_goal(place: int, phase: Phase, world: World) -> World:
-    robot = list(world.robot)
-    robot[place] = robot[place]._replace(phase=phase)
-    is_failure = robot[place].mine and phase is not Phase.ARRIVED
+    is_failure = world.robot[place].mine and phase is not Phase.ARRIVED
     must_ask = world.must_ask or (is_failure and bool(world.queue.waiting))
-    return world._replace(robot=tuple(robot), must_ask=must_ask)
+    return world._replace(robot=changed(world.robot, place, phase=phase), must_ask=must_ask)
 
 
 def stop(world: World) -> World:
@@ -278,7 +277,7 @@ def end_screen(world: World) -> World:
 
 def restart(world: World) -> World:
     """The console starts again: what waits is taken along, but for that of a waiting client."""
-    before, module = world.queue, sys.modules[type(world.queue).__module__]
+    before, module = world.queue, module_of(world.queue)
     kept = [goal for goal in before.waiting if not goal.requester.waits]
     gone = [goal.number for goal in before.waiting if goal.requester.waits]
     gone += [goal.number for goal, _ in before.underway]
@@ -415,42 +414,26 @@ def explore(world: World) -> Found:
     return breadth_first(world, moves, look, check, _key)
 
 
-_ALL: dict[str, Any] = {"stops_left": 1, "leaves_left": 1, "cancels_left": 1}
-SMALL: dict[str, Callable[..., World]] = {
-    "a client's list": partial(begin, (SHELL, 2), stops_left=1, leaves_left=1),
-    "two lists": partial(begin, (YOU, 2), (SHELL, 1), leaves_left=1, cancels_left=1),
-    "a restart and the end of a screen": partial(
-        begin, (YOU, 2), (SHELL, 1), ends_left=1, restarts_left=1
-    ),
-    "an alarm": partial(begin, (YOU, 2), alarms_left=1, stops_left=1),
-    "another's goal": partial(begin, (YOU, 2), others_left=1, cancels_left=1),
+SMALL: dict[str, dict[str, Any]] = {
+    "a client's list": {"lists": ((SHELL, 2),), "stops_left": 1, "leaves_left": 1},
+    "two lists": {"lists": ((YOU, 2), (SHELL, 1)), "leaves_left": 1, "cancels_left": 1},
+    "a restart and the end of a screen": {
+        **{"lists": ((YOU, 2), (SHELL, 1)), "ends_left": 1, "restarts_left": 1}
+    },
+    "an alarm": {"lists": ((YOU, 2),), "alarms_left": 1, "stops_left": 1},
+    "another's goal": {"lists": ((YOU, 2),), "others_left": 1, "cancels_left": 1},
 }
-LARGE: dict[str, Callable[..., World]] = {
-    "a client's long list": partial(begin, (SHELL, 3), stops_left=1, leaves_left=1),
-    "two lists and a STOP": partial(begin, (YOU, 2), (SHELL, 2), **_ALL),
-    "two lists, two STOPs and an alarm": partial(
-        begin, (SHELL, 2), (YOU, 1), stops_left=2, alarms_left=1, leaves_left=1
-    ),
-    "another's goal, a restart and a client that leaves": partial(
-        begin, (SHELL, 2), (YOU, 1), others_left=1, restarts_left=1, leaves_left=1, cancels_left=1
-    ),
+LARGE: dict[str, dict[str, Any]] = {
+    "a client's long list": {"lists": ((SHELL, 3),), "stops_left": 1, "leaves_left": 1},
+    "two lists and a STOP": {
+        **{"lists": ((YOU, 2), (SHELL, 2)), "stops_left": 1, "leaves_left": 1, "cancels_left": 1}
+    },
+    "two lists, two STOPs and an alarm": {
+        **{"lists": ((SHELL, 2), (YOU, 1)), "stops_left": 2, "alarms_left": 1, "leaves_left": 1}
+    },
+    "another's goal, a restart and a client that leaves": {
+        **{"lists": ((SHELL, 2), (YOU, 1)), "others_left": 1},
+        **{"restarts_left": 1, "leaves_left": 1, "cancels_left": 1},
+    },
 }
 WORLDS = {**SMALL, **LARGE}
-
-
-def main() -> int:
-    """Explore each world, and print what was found."""
-    states = worst = 0
-    for name, make in WORLDS.items():
-        found = explore(make())
-        states += found.states
-        print(f"{name}: {found.states:,} states; {found.broken or 'all promises hold'}", flush=True)
-        if found.broken:
-            worst = 1
-            print("   ", ", ".join(found.way))
-    print(f"{states:,} states")
-    return worst
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,16 +1,21 @@
-"""Small worlds, explored breadth first to the last state; and machines broken on purpose."""
+"""Small worlds, explored breadth first to the last state; and machines broken on purpose.
+
+`python -m tests.robot.exploring` explores those of STOP, a goal and the queue of goals, and prints
+of a broken promise the shortest way to it.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import random
 import sys
+import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from tests.mutants import mutants
 
@@ -33,6 +38,16 @@ class Found(NamedTuple):
     states: int
     broken: str  # The promise that does not hold, or "".
     way: tuple[str, ...]  # The shortest way to it.
+
+
+def module_of(machine: object) -> Any:
+    """Return the module of a machine, which may be a broken one."""
+    return sys.modules[type(machine).__module__]
+
+
+def changed(items: tuple[Any, ...], place: int, **changes: Any) -> tuple[Any, ...]:
+    """Return named tuples of which the one at a place is changed."""
+    return (*items[:place], items[place]._replace(**changes), *items[place + 1 :])
 
 
 def breadth_first(
@@ -87,3 +102,28 @@ def planted(machine: ModuleType, count: int) -> Iterator[tuple[str, ModuleType]]
         with contextlib.suppress(Exception):  # One that cannot even be imported is found.
             exec(compile(mutant.planted_in(source), name, "exec"), module.__dict__)
             yield f"{mutant.line}: {mutant.before} -> {mutant.after}", module
+
+
+def main() -> int:
+    """Explore each world, and print what was found."""
+    from tests.robot import explore, explore_goal, explore_queue
+
+    worst = 0
+    for room, exploring in (("STOP", explore), ("queue", explore_queue), ("goal", explore_goal)):
+        states = 0
+        for name, world in exploring.WORLDS.items():
+            began = time.process_time()
+            found = exploring.explore(exploring.begin(**world))
+            states += found.states
+            took = time.process_time() - began
+            said = found.broken or "all promises hold"
+            print(f"{room}: {name}: {found.states:,} states in {took:.0f} s; {said}", flush=True)
+            if found.broken:
+                worst = 1
+                print(f"    {', '.join(map(repr, found.way))}")
+        print(f"{room}: {states:,} states")
+    return worst
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,69 +1,82 @@
-"""STOP and the queue of goals, explored to the last state of small worlds."""
+"""STOP, a goal and the queue of goals, explored to the last state of small worlds."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable
-from types import ModuleType
 from typing import Any
 
 import pytest
 
 from archo_tui.robot.goals import queue
+from archo_tui.robot.goals.machine import PHASES, Event, TrackedGoal
+from archo_tui.robot.state.goal import RUNNING, Phase
 from archo_tui.robot.stop import machine
-from tests.robot import explore, explore_queue
-from tests.robot.exploring import Found, planted
+from tests.robot import explore, explore_goal, explore_queue
+from tests.robot.exploring import planted
+from tests.support.night import corners
 
 pytestmark = pytest.mark.pure
 
-Worlds = dict[str, Callable[..., Any]]
+
+SMALL: list[Any] = [(room, name) for room in (explore, explore_queue) for name in room.SMALL]
+LARGE: list[Any] = [
+    *((explore_queue, name) for name in explore_queue.LARGE),
+    (explore_goal, "2.6 or 16 s"),
+]
 
 
-@pytest.mark.parametrize("name", explore.SMALL)
-def test_every_promise_holds_in_every_state(name: str) -> None:
-    found, _ = explore.explore(explore.SMALL[name]())
+@pytest.mark.parametrize(("exploring", "name"), corners(SMALL, LARGE))
+def test_every_promise_holds_in_every_state(exploring: Any, name: str) -> None:
+    found = exploring.explore(exploring.begin(**exploring.WORLDS[name]))
     assert found.broken == "", found.way
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *explore_queue.SMALL,
-        *(pytest.param(name, marks=pytest.mark.night) for name in explore_queue.LARGE),
-    ],
-)
-def test_every_promise_of_the_queue_holds_in_every_state(name: str) -> None:
-    found = explore_queue.explore(explore_queue.WORLDS[name]())
-    assert found.broken == "", found.way
+def test_every_promise_holds_in_every_state_of_a_goal_and_every_event_is_met_in_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fire, cells = TrackedGoal.fire, set[Any]()
+
+    def fire_and_note(goal: Any, event: Any, *rest: Any, **more: Any) -> Any:
+        cells.add((event, goal.goal.phase))
+        return fire(goal, event, *rest, **more)
+
+    monkeypatch.setattr(TrackedGoal, "fire", fire_and_note)
+    found = explore_goal.explore(explore_goal.begin())
+    assert (found.broken, found.states > 1000) == ("", True), found
+    every = {(event, phase) for event in PHASES for phase in RUNNING}
+    assert every - cells == {(Event.CANCEL_FAILED, Phase.SENT)}  # No cancel leaves before it.
 
 
 @pytest.mark.night
-def test_every_promise_holds_in_every_state_of_larger_worlds_too() -> None:
-    cells: set[tuple[str, str]] = set()
-    for make in explore.WORLDS.values():
-        found, visited = explore.explore(make())
+def test_every_event_is_met_in_every_state_of_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    fire, cells = machine.Stop._fire, set[Any]()
+
+    def fire_and_note(stop: Any, event: Any, doubt: str = "") -> Any:
+        cells.add((event, stop.state))
+        return fire(stop, event, doubt)
+
+    monkeypatch.setattr(machine.Stop, "_fire", fire_and_note)
+    for world in explore.WORLDS.values():
+        found = explore.explore(explore.begin(**world))
         assert found.broken == "", found.way
-        cells |= visited
-    assert explore.unvisited(cells) == []
+    for event, states in machine.LATCH.items():
+        for before, to in zip(machine.State, states, strict=True):
+            assert to is None or (event, before) in cells
 
 
 @pytest.mark.night
 @pytest.mark.parametrize(
-    ("machine", "worlds", "explored"),
-    [
-        (machine, explore.SMALL, lambda world: explore.explore(world)[0]),
-        (queue, explore_queue.SMALL, explore_queue.explore),
-    ],
-    ids=["STOP", "queue"],
+    ("faultless", "exploring"), [(machine, explore), (queue, explore_queue)], ids=["STOP", "queue"]
 )
 def test_of_faults_planted_at_random_the_small_worlds_find_many(
-    machine: ModuleType, worlds: Worlds, explored: Callable[[Any], Found]
+    faultless: Any, exploring: Any
 ) -> None:
-    def is_found(module: ModuleType, makes: Iterable[Callable[..., Any]]) -> bool:
+    def is_found(module: Any) -> bool:
         with contextlib.suppress(Exception):  # Whatever it raises is found, too.
-            return any(explored(make(module=module)).broken for make in makes)
+            worlds = [exploring.begin(**world, module=module) for world in exploring.SMALL.values()]
+            return any(exploring.explore(world).broken for world in worlds)
         return True
 
-    found = {what: is_found(faulty, worlds.values()) for what, faulty in planted(machine, 60)}
+    found = {what: is_found(faulty) for what, faulty in planted(faultless, 60)}
     # What is left are words, and times to the tick: the tests of the rules have them.
     assert sum(found.values()) > 60 // 3, [what for what, is_found in found.items() if not is_found]

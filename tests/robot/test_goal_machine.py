@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any, NamedTuple
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 
 from archo_tui.robot.goals.machine import (
     NEVER_TAKEN,
-    PHASES,
     Event,
     GoalEffect,
     TrackedGoal,
@@ -24,16 +21,14 @@ from archo_tui.robot.goals.machine import (
     is_missed,
     refusal,
 )
-from archo_tui.robot.messages.period import Period
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state.goal import RUNNING, Goal, Phase
+from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
-from tests.support.night import corners
 
 pytestmark = pytest.mark.pure
 
@@ -551,236 +546,3 @@ def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> 
     silent = accepted().fire(Event.SILENT, NOW)
     assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
     assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST
-
-
-# Every state of a goal, breadth first.
-
-
-class World(NamedTuple):
-    """A goal, and what is known of it besides."""
-
-    goal: TrackedGoal
-    is_void: bool = False
-    came_from: Phase | None = None  # The phase before a cancel.
-    is_confirmed: bool = False  # Its server is known to carry a cancel out.
-
-
-def _age(then: Any, *classes: float) -> Any:
-    """Return the time of the oldest class that an age has reached."""
-    if then is None:
-        return None
-    return NOW - max(age for age in (0.0, *classes) if NOW - then >= age)
-
-
-def normal(world: World) -> World:
-    """The world with ages by class, and without what decides nothing any more."""
-    state = world.goal
-    shown = state.goal._replace(
-        time=0.0,
-        ended=None,
-        lost=None,
-        message="",
-        result=None,
-        remaining=None,
-        length=None,
-        length_is_guessed=False,
-        way=(),
-    )
-    if not state.is_running:
-        shown = shown._replace(sent=NOW, heard=None, cancel_asked=None)
-        ended = TrackedGoal(shown, is_cancelled=state.is_cancelled, questions=1)
-        return World(ended, world.is_void)
-    heard = _age(shown.heard, 2.6, 5.2, 16.0)
-    shown = shown._replace(
-        sent=NOW if heard is not None else _age(shown.sent, 2.6, 16.0, 20.1),
-        heard=heard,
-        started=None if shown.started is None else NOW,
-        cancel_asked=_age(shown.cancel_asked, 16.0),
-    )
-    period = state.period
-    if period.last is not None:
-        period = Period(last=NOW, known=0.2 if period.intervals or period.known else None)
-    is_cancelling = shown.phase is Phase.CANCELLING
-    state = state._replace(
-        goal=shown,
-        todo=(),
-        asked=_age(state.asked, 2.6, 5.2),
-        questions=1,
-        period=period,
-        unserved=_age(state.unserved, 1.0),
-        before=state.before if is_cancelling else Phase.MOVING,
-        is_cancelled=state.is_cancelled and not state.must_not_run,
-    )
-    came_from = world.came_from if is_cancelling and not world.is_confirmed else None
-    return World(state, world.is_void, came_from, world.is_confirmed and is_cancelling)
-
-
-def _later(state: TrackedGoal, seconds: float, **facts: Any) -> TrackedGoal:
-    """The goal after some seconds, in which nothing else happened, at NOW."""
-    goal, seconds = state.goal, seconds if state.is_running else 0.0
-    times = {name: getattr(goal, name) for name in ("sent", "heard", "started", "cancel_asked")}
-    earlier: dict[str, Any] = {
-        name: None if at is None else at - seconds for name, at in times.items()
-    }
-    unserved = None if state.unserved is None else state.unserved - seconds
-    state = state._replace(
-        goal=goal._replace(**earlier),
-        asked=state.asked - seconds,
-        unserved=unserved,
-    )
-    motion = facts.get("motion", Motion())
-    return state.tick(NOW, motion, NEVER, is_served=facts.get("is_served", True))
-
-
-def events(world: World, spans: Sequence[float]) -> Iterator[tuple[str, TrackedGoal]]:
-    """Yield all that can happen next, by its name; `spans` (s) may pass at once."""
-    goal, void = world.goal, world.is_void
-    yield "accepted", goal.accepted(NOW, is_void=void)
-    yield "refused", goal.fire(Event.REFUSED, NOW)
-    yield "refused late", goal.refused_late(NOW)
-    yield "no answer", goal.fire(Event.NO_ANSWER, NOW)
-    yield "checked", goal.cancelled_if_unwanted(is_void=void)
-    yield "feedback", goal.fed(FEEDBACK, NOW, is_void=void)
-    yield "says canceling", goal.reported(None, NOW, is_canceling=True)
-    yield "called off", goal.called_off()
-    if goal.awaited < (2 if goal.goal.phase is Phase.CANCELLING else 1):
-        yield "cancel", goal.cancelling(NOW)
-    if goal.awaited:
-        yield "cancel accepted", goal.cancel_accepted()
-        yield "cancel failed", goal.cancel_failed(NOW, is_rejected=False)
-        yield "cancel rejected", goal.cancel_failed(NOW, is_rejected=True)
-    yield "robot heard", goal.robot_heard(NOW)
-    yield "node left", goal.node_left(NOW)
-    yield "forgotten", goal.forgotten(NOW)
-    for end in (Event.ARRIVED, Event.CANCELLED, Event.ABORTED):
-        yield f"result {end.name}", goal.answered(goal.questions, end, None, NOW)
-    yield "result disputed", goal.answered(goal.questions, Event.ABORTED, SUCCESS, NOW)
-    yield "result not known", goal.answered(goal.questions, None, None, NOW)
-    yield "earlier result", goal.answered(goal.questions - 1, Event.ARRIVED, None, NOW)
-    silent = Motion(received=NOW - 4.0)
-    for seconds in spans:
-        yield f"{seconds} s", _later(goal, seconds)
-        yield f"{seconds} s without motion", _later(goal, seconds, motion=silent)
-        yield f"{seconds} s without server", _later(goal, seconds, is_served=False)
-
-
-# What each of these changes; in other phases it changes none.
-CHANGES: dict[str, dict[Phase, Phase]] = {
-    "refused": {Phase.SENT: Phase.REFUSED, Phase.UNKNOWN: Phase.REFUSED},
-    "refused late": {Phase.UNKNOWN: Phase.REFUSED},  # In time, its reason is waited for.
-    "no answer": {Phase.SENT: Phase.UNKNOWN},
-    "feedback": {Phase.UNKNOWN: Phase.MOVING, Phase.LOST: Phase.MOVING},
-    "says canceling": {Phase.MOVING: Phase.CANCELLING},
-    "cancel": dict.fromkeys((Phase.MOVING, Phase.UNKNOWN, Phase.LOST), Phase.CANCELLING),
-    "robot heard": {Phase.LOST: Phase.UNKNOWN},
-    **{name: {} for name in ("cancel accepted", "called off", "checked", "earlier result")},
-}
-
-
-def check_phase(name: str, before: TrackedGoal, phase: Phase) -> None:
-    """Check the phase to which an event leads."""
-    was, seconds = before.goal.phase, name.split()[-1] == "s" or " s without" in name
-    if name in CHANGES and not (name == "robot heard" and before.period.last is not None):
-        assert phase is CHANGES[name].get(was, was), f"{name} in {was}"
-    if name in ("cancel failed", "cancel rejected") and was is not Phase.CANCELLING:
-        assert phase is was, f"{name} in {was}"
-    if seconds and phase not in (was, Phase.GONE):  # Silence tells nothing of any other goal.
-        assert (was, phase) in ((Phase.MOVING, Phase.LOST), (Phase.CANCELLING, Phase.LOST))
-
-
-def check(world: World, name: str, after: TrackedGoal) -> World:
-    """Check the step that an event made, and return the world after it."""
-    before, goal = world.goal, after.goal
-    if not before.is_running:
-        assert after._replace(todo=()) == before, f"an ended goal never changes: {name}"
-        is_wanted = before.is_accepted and not (world.is_void or before.is_cancelled)
-        must_cancel = name == "accepted" and not is_wanted
-        assert after.todo == ((GoalEffect.CANCEL_ENDED,) if must_cancel else ())
-        return world
-    check_phase(name, before, goal.phase)
-    if name == "earlier result":
-        assert after is before, "an answer to an earlier question counts for nothing"
-    if after.is_running and (world.is_void or before.is_cancelled):
-        was_unknown = before.goal.phase is Phase.UNKNOWN and name == "feedback"
-        if name == "accepted" or was_unknown:
-            assert after.must_not_run, "a void goal that is accepted is cancelled"
-    assert (GoalEffect.CANCEL in after.todo) == (after.must_not_run and not before.must_not_run)
-    if name == "cancel":
-        is_sent = before.goal.phase is Phase.SENT
-        assert (after is before) == is_sent, "a cancel leaves unless the goal has no answer yet"
-    if name == "accepted":
-        assert GoalEffect.ASK in after.todo, "an accepted goal's result is asked for"
-    came_from, is_confirmed = world.came_from, world.is_confirmed
-    if name == "cancel" and before.goal.phase is not Phase.CANCELLING:
-        came_from, is_confirmed = before.goal.phase, False
-    if name == "cancel accepted" or name == "says canceling":
-        is_confirmed = True
-    if name in ("cancel failed", "cancel rejected") and before.goal.phase is Phase.CANCELLING:
-        stays = after.awaited or is_confirmed
-        expected = Phase.CANCELLING if stays else came_from
-        assert goal.phase is expected, "a failed cancel returns to the phase before"
-    if before.goal.phase is Phase.CANCELLING and goal.phase in (Phase.SENT, Phase.UNKNOWN):
-        assert name.startswith("cancel")
-    following = World(after, world.is_void, came_from, is_confirmed)
-    is_same = after is before and following == world
-    return world if is_same else normal(following)
-
-
-def check_state(world: World) -> None:
-    """Check what holds in each state."""
-    goal = world.goal
-    due = goal.behind_stop(goal.turn + 1, NOW)
-    may_run = goal.is_running and goal.goal.phase is not Phase.SENT
-    assert (due.todo == (GoalEffect.CANCEL_UNASKED,)) == may_run, "cancelled behind a STOP"
-    assert due.goal is goal.goal, "no phase tells a cancel that nobody asked for"
-    if goal.goal.phase in (Phase.UNKNOWN, Phase.LOST):
-        later = _later(goal, 2.6)
-        assert not later.is_running or GoalEffect.ASK in later.todo, (
-            "a doubtful goal is asked about"
-        )
-    if goal.goal.phase is Phase.CANCELLING:
-        assert goal.goal.cancel_asked is not None
-
-
-def explore(spans: Sequence[float]) -> tuple[int, set[tuple[Event, Phase]]]:
-    """Visit every state that can be reached; return their number, and the cells of PHASES."""
-    cells: set[tuple[Event, Phase]] = set()
-    fire: Callable[..., TrackedGoal] = TrackedGoal.fire
-
-    def fire_and_note(goal: TrackedGoal, event: Event, *rest: Any, **more: Any) -> TrackedGoal:
-        if goal.is_running:
-            cells.add((event, goal.goal.phase))
-        return fire(goal, event, *rest, **more)
-
-    cancelling = found(SHELF, Phase.CANCELLING, 0.0, NOW, 5, 1)._replace(todo=())
-    frontier = deque([normal(World(sent())), normal(World(cancelling, is_confirmed=True))])
-    known = {hash(_key(world)) for world in frontier}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(TrackedGoal, "fire", fire_and_note)
-        while frontier:
-            world = frontier.popleft()
-            check_state(world)
-            following = [check(world, name, after) for name, after in events(world, spans)]
-            if not world.is_void:
-                following.append(normal(world._replace(is_void=True)))
-            for there in following:
-                if there is not world and (key := hash(_key(there))) not in known:
-                    known.add(key)
-                    frontier.append(there)
-    return len(known), cells
-
-
-def _key(world: World) -> tuple[object, ...]:
-    shown = world.goal.goal
-    times = shown.phase, shown.sent, shown.heard, shown.started, shown.cancel_asked
-    return (*times, world.goal._replace(goal=None), *world[1:])  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("spans", corners([[16.0]], [[2.6, 16.0]]))
-def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited(
-    spans: list[float],
-) -> None:
-    states, cells = explore(spans)
-    every = {(event, phase) for event in PHASES for phase in RUNNING}
-    assert every - cells == {(Event.CANCEL_FAILED, Phase.SENT)}  # No cancel leaves before it.
-    assert states > 1000, states
