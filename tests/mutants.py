@@ -41,7 +41,7 @@ TESTS = {
     "ros_launch": "launch",
     "screen": "console screens",
     "commands": "commands widgets",
-    "session": "robot/test_session.py user_code station",
+    "session": "robot/test_robot.py user_code station",
     "station": "station parameters",
     "text": "verbs widgets",
     "widgets": "widgets screens",

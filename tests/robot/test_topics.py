@@ -1,46 +1,57 @@
-"""A topic that is open is followed: counted whole, decoded within bounds, and only while open."""
+"""A topic that somebody looks at: counted whole, decoded within bounds, only while it is open."""
 
 from __future__ import annotations
 
 import asyncio
-import math
 from array import array
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float32, Float64, String, UInt8MultiArray
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.messages.text import as_text
+from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.topics import inspect
 from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
 from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from tests.support import chosen
 from tests.support.quiet import until, while_passes
-from tests.support.robot import making, robot
+from tests.support.robot import robot
 from tests.support.ros import begin
+from tests.support.stand_in import Made
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
 ONE_TYPE = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="one process cannot have both in Fast DDS, only two can"
 )
+
+
 EVERYTHING = TopicRequest(plotted=("data",), plot_columns=10)
 
 
 class Talker(Node):
-    """Publishes a count at 10 Hz, and once a message that is kept."""
+    """Publishes a count at 10 Hz, best effort, and once a large message that is kept."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, qos: Any = qos_profile_sensor_data, **options: Any) -> None:
         super().__init__("talker", **options)
         self._sent = 0.0
-        self.fast = self.create_publisher(Float32, "fast", qos_profile_sensor_data)
+        self.fast = self.create_publisher(Float32, "fast", qos)
         self.timer = self.create_timer(0.1, self._publish)
-        self._kept = self.create_publisher(String, "kept", LATCHED)
-        self._kept.publish(String(data="once"))
+        self._kept = self.create_publisher(UInt8MultiArray, "kept", LATCHED)
+        self._kept.publish(UInt8MultiArray(data=bytes(5_000)))
 
     def _publish(self) -> None:
         self._sent += 1.0
@@ -56,6 +67,11 @@ class Talker(Node):
         self.leave_fast()
         publisher = self.create_publisher(String, "fast", 10)
         self.create_timer(0.1, lambda: publisher.publish(String(data="words now")))
+
+    def change_qos(self) -> None:
+        """Replace the publisher of `fast`."""
+        before, self.fast = self.fast, self.create_publisher(Float32, "fast", 5)
+        self.destroy_publisher(before)
 
 
 @asynccontextmanager
@@ -78,8 +94,8 @@ def has(views: list[TopicView], text: str) -> bool:
 
 
 async def test_a_topic_is_followed_only_while_it_is_open() -> None:
-    made: list[Talker] = []
-    async with robot(making(made, Talker)) as it:
+    talker = Made(Talker)
+    async with robot(talker) as it:
         async with following(it, "/fast") as views:
             await until(lambda: views[-1].received > 30)
             last = views[-1]
@@ -97,12 +113,12 @@ async def test_a_topic_is_followed_only_while_it_is_open() -> None:
             assert last.ends is not None
             assert last.ends.publishers[0].qos == "BEST_EFFORT, VOLATILE"
             assert not last.fault
-            assert made[0].count_subscribers("/fast") == 1
-        await until(lambda: made[0].count_subscribers("/fast") == 0)
+            assert talker.node.count_subscribers("/fast") == 1
+        await until(lambda: talker.node.count_subscribers("/fast") == 0)
 
 
 async def test_five_views_a_second_are_shown_however_fast_messages_come() -> None:
-    async with robot(making([], Talker)) as it, following(it, "/fast") as views:
+    async with robot(Talker) as it, following(it, "/fast") as views:
         await until(lambda: views[-1].received)
         before = len(views)
         await while_passes(4.0)
@@ -110,46 +126,46 @@ async def test_five_views_a_second_are_shown_however_fast_messages_come() -> Non
 
 
 async def test_a_message_that_is_kept_is_shown_at_once() -> None:
-    async with robot(making([], Talker)) as it, following(it, "/kept") as views:
+    async with robot(Talker) as it, following(it, "/kept") as views:
         await until(lambda: views[-1].fields)
-        assert views[-1].fields[0].value == "once"
+        assert views[-1].fields[-1].type == "uint8[5000]"
         assert views[-1].rate is None
 
 
 async def test_a_topic_that_goes_is_waited_for_with_its_last_message() -> None:
-    made: list[Talker] = []
-    async with robot(making(made, Talker)) as it, following(it, "/fast") as views:
+    talker = Made(Talker)
+    async with robot(talker) as it, following(it, "/fast") as views:
         await until(lambda: views[-1].fields)
-        begin(made[0], made[0].leave_fast)
+        begin(talker.node, talker.node.leave_fast)
         await until(lambda: has(views, "it has no publisher: waiting for one"))
         assert views[-1].fields
 
 
 @ONE_TYPE
 async def test_a_publisher_that_comes_back_with_another_type_is_followed() -> None:
-    made: list[Talker] = []
-    async with robot(making(made, Talker)) as it, following(it, "/fast") as views:
+    talker = Made(Talker)
+    async with robot(talker) as it, following(it, "/fast") as views:
         await until(lambda: views[-1].fields)
-        begin(made[0], made[0].change_type)
+        begin(talker.node, talker.node.change_type)
         await until(lambda: views[-1].type == "std_msgs/msg/String" and views[-1].fields)
         assert views[-1].fields[0].value == "words now"
         assert not views[-1].fault
 
 
 async def test_a_topic_that_is_not_there_is_waited_for() -> None:
-    made: list[Talker] = []
-    async with robot(making(made, Talker)) as it, following(it, "/later") as views:
+    talker = Made(Talker)
+    async with robot(talker) as it, following(it, "/later") as views:
         await until(lambda: has(views, "it is not on the graph: waiting for it"))
-        publisher = made[0].create_publisher(String, "later", LATCHED)
+        publisher = talker.node.create_publisher(String, "later", LATCHED)
         publisher.publish(String(data="here"))
         await until(lambda: views[-1].fields and views[-1].fields[0].value == "here")
 
 
 @ONE_TYPE
 async def test_two_types_on_a_topic_are_said_and_the_first_is_shown() -> None:
-    made: list[Talker] = []
-    async with robot(making(made, Talker)) as it:
-        made[0].create_publisher(Float64, "fast", 10)
+    talker = Made(Talker)
+    async with robot(talker) as it:
+        talker.node.create_publisher(Float64, "fast", 10)
         async with following(it, "/fast") as views:
             await until(lambda: has(views, "also published as std_msgs/msg/Float64"))
             await until(lambda: views[-1].fields)
@@ -158,7 +174,7 @@ async def test_two_types_on_a_topic_are_said_and_the_first_is_shown() -> None:
 
 async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("archo_tui.robot.requests.topics.load_class", lambda _: None)
-    async with robot(making([], Talker), nodes=1) as it, following(it, "/fast") as views:
+    async with robot(Talker, nodes=1) as it, following(it, "/fast") as views:
         await until(lambda: has(views, "/fast is std_msgs/msg/Float32, which is not installed"))
         assert has(views, "install its package std_msgs")
         assert views[-1].ends is not None
@@ -208,7 +224,7 @@ def test_of_a_thousand_a_second_all_are_counted_and_thirty_decoded() -> None:
 
 def test_messages_of_ten_megabytes_are_counted_and_not_decoded() -> None:
     intake = MessageIntake()
-    watch = TopicWatch("/image", "std_msgs/msg/UInt8MultiArray", {}, intake, _never)
+    watch = TopicWatch("/image", "std_msgs/msg/UInt8MultiArray", {}, intake, pytest.fail)
     for number in range(60):
         intake.add(number / 30, bytes(10_000_000))
     view = watch.update(2.0, EVERYTHING)
@@ -226,7 +242,8 @@ def test_what_waits_takes_a_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_message_of_another_definition_is_said_until_one_can_be_read() -> None:
-    made = inspect.Inspection(_Plain(), None, "/fast", UInt8MultiArray)  # type: ignore[arg-type]
+    node: Any = SimpleNamespace(without_secrets=lambda message: message)
+    made = inspect.Inspection(node, None, "/fast", UInt8MultiArray)  # type: ignore[arg-type]
     intake = MessageIntake()
     watch = TopicWatch("/fast", "std_msgs/msg/UInt8MultiArray", {}, intake, made.decode)
     intake.add(1.0, b"\x00\x01\x00\x00\x01")
@@ -236,14 +253,141 @@ def test_a_message_of_another_definition_is_said_until_one_can_be_read() -> None
     view = watch.update(2.0, EVERYTHING)
     assert view.fault == ""
     assert view.age == 0.0
-    assert not math.isnan(view.age)
 
 
-class _Plain:
-    def without_secrets(self, message: Any) -> Any:
-        """Return a message that has none."""
-        return message
+# Without a view: its messages are counted.
 
 
-def _never(_data: bytes) -> Any:
-    raise AssertionError("decoded")
+async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    recorded: list[str] = []
+    talker = Made(Talker)
+    seen = ConsoleNode.__init__
+
+    def listen(self: Any, name: str, context: Any, _on_message: Any, masks: Any) -> None:
+        seen(self, name, context, lambda topic, *_: recorded.append(topic), masks)
+
+    monkeypatch.setattr(ConsoleNode, "__init__", listen)
+    async with robot(talker) as it:
+        async with it.inspect("/fast", Float32) as counted:
+            await until(lambda: counted.count >= 5)
+            assert counted.decode(counted.newest[1]).data >= 5.0
+            assert counted.least is not None
+            assert counted.greatest is not None
+            assert 0 < counted.least <= counted.greatest
+            assert counted.size == counted.count * 8  # A header, and 4 bytes.
+            assert talker.node.count_subscribers("/fast") == 1
+        await until(lambda: talker.node.count_subscribers("/fast") == 0)
+        assert "/fast" not in recorded
+
+
+async def test_a_subscription_that_rclpy_refuses_is_a_fault_and_an_outcome(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(_: object) -> None:
+        raise RuntimeError("created topic with other type")
+
+    monkeypatch.setattr(inspect.Inspection, "subscribe", refused)
+    said = "/fast: no subscription: RuntimeError: created topic with other type"
+    async with robot(Talker) as it:
+        await until(lambda: "/fast" in {end.name for end in it.snapshot.resources})
+        with pytest.raises(ArchoError, match=said):
+            async with it.inspect("/fast", Float32):
+                pass
+        views: list[Any] = []
+        task = asyncio.ensure_future(it.follow_topic("/fast", TopicRequest, views.append))
+        await until(lambda: views and said in views[-1].fault)
+        assert not task.done()
+        task.cancel()
+
+
+async def test_messages_that_are_kept_are_no_rate() -> None:
+    publishers: list[Any] = []
+
+    def make(**options: Any) -> Node:
+        node = Node("deep", **options)
+        deep = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        publishers.append(node.create_publisher(String, "deep", deep))
+        for _ in range(5):
+            publishers[0].publish(String(data="kept"))
+        return node
+
+    async with robot(make) as it, it.inspect("/deep", String) as counted:
+        await until(lambda: counted.count)
+        await while_passes(1.0)
+        assert counted.rate is None
+        assert counted.kept == counted.count
+        publishers[0].publish(String(data="new"))
+        await until(lambda: counted.count == counted.kept + 1)
+        assert counted.rate is None
+        assert counted.least is None
+
+
+def test_two_messages_at_once_are_no_rate() -> None:
+    rate = MessageRate(10.0).with_message_at(10.0002)
+    assert rate.hertz is None
+    for number in range(1, 30):
+        rate = rate.with_message_at(10.0 + number)
+    assert rate.hertz == pytest.approx(1.0, rel=0.02)
+    assert rate.hertz_at(39.5) == rate.hertz
+    assert rate.hertz_at(44.0) is None
+
+
+async def test_a_caller_that_is_cancelled_leaves_no_subscription() -> None:
+    talker = Made(Talker)
+    async with robot(talker) as it:
+
+        async def look() -> None:
+            async with it.inspect("/fast", Float32):
+                await asyncio.Event().wait()
+
+        looking = asyncio.ensure_future(look())
+        await until(lambda: talker.node.count_subscribers("/fast") == 1)
+        looking.cancel()
+        await until(lambda: talker.node.count_subscribers("/fast") == 0)
+
+
+async def test_a_message_beyond_the_bound_is_counted_and_not_decoded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(inspect, "MAX_BYTES", 4_000)
+    async with robot(Talker) as it, it.inspect("/kept", UInt8MultiArray) as counted:
+        await until(lambda: counted.count)
+        assert counted.size > 5_000
+        with pytest.raises(ArchoError, match=r"a message of 0\.0 MB, more than 0\.004 MB"):
+            counted.decode(counted.newest[1])
+
+
+async def test_a_secret_parameter_stays_secret() -> None:
+    def secretive(**options: Any) -> Node:
+        node = Node("secretive", **options)
+        node.declare_parameter("password", "first")
+        node.create_timer(
+            0.5, lambda: node.set_parameters([RclpyParameter("password", value="hunter2")])
+        )
+        return node
+
+    async with (
+        robot(secretive) as it,
+        it.inspect("/parameter_events", ParameterEvent) as counted,
+    ):
+        seen = set[str]()
+        while len(seen) < 2:  # the value at the start and the one that was set then
+            await until(lambda: counted.count > len(seen))
+            seen.add(text := as_text(counted.decode(counted.newest[1])))
+            assert "name: password" in text
+            assert "first" not in text
+            assert "hunter2" not in text
+
+
+async def test_a_publisher_with_another_qos_is_heard_again() -> None:
+    talker = Made(Talker, 10)
+    async with robot(talker) as it, it.inspect("/fast", Float32) as counted:
+        await until(lambda: counted.count)
+        begin(talker.node, talker.node.change_qos)
+        await until(lambda: talker.node.fast.qos_profile.depth == 5)
+        await while_passes(1.0)
+        before = counted.count
+        it.resubscribe_if_needed(counted)
+        await until(lambda: counted.count > before + 2)
+        it.resubscribe_if_needed(counted)  # Changes nothing.
+        await until(lambda: counted.count > before + 6)

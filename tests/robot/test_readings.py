@@ -1,0 +1,475 @@
+"""The robot's readings: what is not one is said and not guessed, whatever is published."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from archo_interfaces.msg import BatteryStatus
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float32, String
+
+from archo_tui.recordings.replay.state import RecordedTopics
+from archo_tui.robot.messages import types
+from archo_tui.robot.node import ConsoleNode
+from archo_tui.robot.state.readings import DiagnosticLevel
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.telemetry import ClockOffsets, Diagnostics, Telemetry
+from archo_tui.robot_file.load import load
+from archo_tui.screen.widgets.bars import header
+from archo_tui.text.state import age_text, battery_line, battery_word, motion_word, plain_text
+from tests.support import chosen, clock
+from tests.support.alarms import alarms_of, conditions
+from tests.support.clock import NOW
+from tests.support.console import console
+from tests.support.night import corners
+from tests.support.plain import operated
+from tests.support.quiet import Quiet, ended, until, while_passes
+from tests.support.robot import robot, texts
+from tests.support.stand_in import Made
+from tests.support.states import NORMAL
+from tests.support.stub import StandingClock
+
+
+def publisher(
+    kind: Any, topic: str, *messages: Any, period: float = 1.0, qos: Any = 10
+) -> Callable[..., Node]:
+    """A node that publishes these in turn."""
+
+    class Publisher(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__(f"publisher_{topic}", **options)
+            self.sent = 0
+            self.publisher = self.create_publisher(kind, topic, qos)
+            self.create_timer(period, self.publish)
+
+        def publish(self) -> None:
+            self.publisher.publish(messages[self.sent % len(messages)])
+            self.sent += 1
+
+    return Publisher
+
+
+def battery(**fields: Any) -> Callable[..., Node]:
+    return publisher(BatteryStatus, "battery_level", BatteryStatus(**fields))
+
+
+def text(snapshot: Snapshot) -> str:
+    return plain_text(battery_line(snapshot, clock.seconds(), 80))
+
+
+@pytest.mark.parametrize(
+    "quality", [10, QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)]
+)
+async def test_a_float32_battery_is_heard_however_it_is_published(quality: Any) -> None:
+    async with robot(publisher(Float32, "battery_level", Float32(data=55.5), qos=quality)) as it:
+        await until(lambda: it.snapshot.battery.percentage == 55.5)
+        assert (it.snapshot.battery.voltage, it.snapshot.battery.health) == (None, None)
+
+
+async def test_a_reading_that_was_latched_before_is_shown() -> None:
+    def latched(**options: Any) -> Node:
+        node = Node("latched", **options)
+        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        node.create_publisher(Float32, "battery_level", kept).publish(Float32(data=42.0))
+        return node
+
+    async with robot(latched) as it:
+        await until(lambda: it.snapshot.battery.percentage == 42.0)
+
+
+async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    load_class = types.load_class
+    monkeypatch.setattr(
+        "archo_tui.robot.telemetry.load_class",
+        lambda name: None if name == "std_msgs/msg/Float32" else load_class(name),
+    )
+    async with robot(publisher(Float32, "battery_level", Float32())) as it:
+        said = "battery_level is std_msgs/msg/Float32, which is not installed here"
+        await until(lambda: texts(it) == [said])
+        await until(lambda: len(it.snapshot.nodes) == 1)
+        assert [e.count for e in it.snapshot.events] == [1]
+
+
+@pytest.mark.parametrize("value", corners([float("nan")], [3e38]))
+async def test_a_percentage_that_cannot_be_is_shown_as_received_and_is_not_good(
+    value: float,
+) -> None:
+    async with console(
+        node_makers=[publisher(Float32, "battery_level", Float32(data=value))], wait=False
+    ) as op:
+        await op.until("? UNREADABLE ")
+        assert "GOOD" not in op.text
+        assert "LOW" not in op.text
+        assert op.app.view.snapshot.battery.percentage is None
+        said = [e for e in op.app.view.snapshot.events if "is not within 0 .. 100" in e.text]
+        assert len(said) == 1
+        assert said[0].count == 1
+        await op.press("f1")  # it lives
+        await op.until("STOP is a software stop")
+
+
+@pytest.mark.parametrize(
+    ("topic", "kinds"),
+    [
+        ("battery_level", "archo_interfaces/msg/BatteryStatus or std_msgs/msg/Float32"),
+        ("motor_status", "archo_interfaces/msg/MotorStatus"),
+    ],
+)
+async def test_another_type_on_a_topic_is_said_and_not_guessed_at(topic: str, kinds: str) -> None:
+    async with robot(publisher(String, topic, String(data="x"))) as it:
+        await until(lambda: topic in it.snapshot.faults)
+        fault = f"{topic} is std_msgs/msg/String: expected {kinds}"
+        assert it.snapshot.faults[topic] == fault
+        assert [e.text for e in it.snapshot.events] == [fault]
+        assert battery_word(it.snapshot)[1] == "NO DATA"
+        assert "IDLE" not in plain_text(motion_word(it.snapshot, clock.seconds(), 80))
+
+
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="Fast DDS has one type a topic")
+async def test_a_topic_of_two_types_that_would_both_do_is_said() -> None:
+    one, other = publisher(Float32, "battery_level", Float32(data=50.0)), Made(Node, "other")
+    said = "battery_level has several types: archo_interfaces/msg/BatteryStatus, "
+    async with robot(one, other) as it:
+        other.node.create_publisher(BatteryStatus, "battery_level", 10)
+        await until(lambda: f"{said}std_msgs/msg/Float32" in texts(it))
+
+
+async def test_an_unknown_word_of_health_is_shown_and_hides_no_low_battery() -> None:
+    async with robot(battery(percentage=80.0, voltage=24.0, battery_health="swollen")) as it:
+        await until(lambda: it.snapshot.battery.received)
+        assert battery_word(it.snapshot)[:2] == ("?", "swollen")
+        assert "battery health" in alarms_of(it)
+    async with robot(battery(percentage=10.0, voltage=21.0, battery_health="swollen")) as it:
+        await until(lambda: it.snapshot.battery.received)
+        assert battery_word(it.snapshot)[1] == "LOW"
+
+
+def with_parameter(node: str, parameter: str, value: str) -> Callable[..., Node]:
+    """A node with a parameter of one of ARCHO's names, which holds a word."""
+
+    def make(**options: Any) -> Node:
+        made = Node(node, **options)
+        made.declare_parameter(parameter, value, ignore_override=True)
+        return made
+
+    return make
+
+
+async def test_a_parameter_that_is_no_number_ends_nothing_and_is_not_used() -> None:
+    battery_monitor = with_parameter("battery_monitor", "low_battery_threshold", "twenty")
+    motor = with_parameter("motor_controller", "route_length", "far")
+    async with console(node_makers=[battery_monitor, motor], wait=False) as op:
+        await op.until("twenty")
+        await op.until("far")
+        assert op.app.view.snapshot.low_charge == 20.0
+        await op.until("low 20")
+
+
+@pytest.mark.waits
+async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
+    slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
+    async with robot(slow) as it:
+        for _ in range(2 if clock.current is None else 4):  # real time costs as much
+            heard = it.snapshot.battery.received
+            again = lambda heard=heard: it.snapshot.battery.received != heard  # noqa: E731
+            await Quiet().until(again, lambda: "the next message", deadline=90.0)
+            assert conditions(it.snapshot, clock.seconds() + 29.0) == {}
+
+
+@pytest.mark.waits
+async def test_a_new_pace_that_the_operator_sets_is_measured_anew() -> None:
+    async with operated(ros_args=("-p", "drain_max:=0.0", "-p", "drain_min:=0.0")) as person:
+        it = person._plain._station.robot
+        await while_passes(10.0)
+        outcome = it.set_parameters("/battery_monitor", {"publish_period": 10.0})
+        assert (await ended(outcome)).ok
+        for _ in range(4):
+            await while_passes(9.0)
+            view = person._plain._station.view
+            assert "silent" not in header(view, 120).plain
+            assert "(old" not in text(it.snapshot)
+
+
+@pytest.mark.waits
+async def test_two_publishers_are_named_in_the_panel_and_an_alarm_when_they_stay() -> None:
+    def second(**options: Any) -> Node:
+        return battery(percentage=60.0)(cli_args=["--ros-args", "-r", "__node:=second"], **options)
+
+    async with console(node_makers=[battery(percentage=50.0), second], wait=False) as op:
+        begin = clock.seconds()
+        await op.until("2 publishers: ")
+        await op.at(begin + 20)
+        assert "PUBLISHERS" not in op.text.splitlines()[1]  # one that was killed lingers so long
+        await op.until("2 PUBLISHERS of battery_level: /publisher_battery_level, /second")
+        names = conditions(op.app.view.snapshot, clock.seconds())
+        assert "several publishers /battery_level" in names
+
+
+def test_an_age_is_in_seconds_up_to_two_minutes_and_never_wide() -> None:
+    told = {
+        0.0: "0.0 s",
+        9.94: "9.9 s",
+        9.96: "10 s",
+        61.0: "61 s",
+        119.4: "119 s",
+        119.9: "120 s",
+        120.0: "2 min",
+        599.0: "9 min",
+        600.0: "0.2 h",
+        36_000.0: "10 h",
+    }
+    assert {seconds: age_text(seconds) for seconds in told} == told
+    assert all(len(age_text(tenth / 10)) <= 5 for tenth in range(10_000))
+
+
+# A topic with several readers is subscribed to once: recorded once, counted once.
+
+FILE = """
+version: 1
+name: Base
+battery: {topic: level, types: {std_msgs/msg/Float32: {percentage: data}}}
+gauges:
+  - {title: Level, topic: level, type: std_msgs/msg/Float32, field: data, unit: "%"}
+stop: none
+"""
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "base.yaml"
+    made.write_text(FILE)
+    return made
+
+
+async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
+    talker = Made(publisher(Float32, "level", Float32(data=80.0), period=0.1))
+    async with robot(talker, robot=file) as it:
+        await until(lambda: it.snapshot.battery.percentage == 80.0)
+        await until(lambda: it.snapshot.gauges[0].value == 80.0)
+        await while_passes(3)
+        rate = it.snapshot.message_rates["/level"].hertz
+        assert rate is not None
+        assert 8.0 < rate < 13.0
+        assert talker.node.count_subscribers("level") == 1
+
+
+def test_in_a_replay_both_are_read(file: Path) -> None:
+    topics = RecordedTopics({"/level": "std_msgs/msg/Float32"}, "/")
+    heard: list[str] = []
+    telemetry = Telemetry(
+        topics,  # type: ignore[arg-type]
+        load(file),
+        StandingClock(),
+        lambda topic, _: heard.append(topic),
+        lambda _: None,
+    )
+    telemetry.resubscribe()
+    topics.callbacks["/level"](Float32(data=80.0))
+    assert telemetry.battery.percentage == 80.0
+    assert telemetry.gauges[0].value == 80.0
+    assert heard == ["level"]
+
+
+async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fast DDS refuses a second type of a topic in one process, for example."""
+    file = here / "base.yaml"
+    refused = FILE.replace("topic: level", "topic: refused", 1)
+    file.write_text(refused + "record: [refused, unread]\n")
+    subscribe = ConsoleNode.create_subscription
+
+    def refusing(self: ConsoleNode, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
+        if topic in ("/refused", "/unread"):
+            raise RuntimeError("incompatible type")
+        return subscribe(self, kind, topic, *rest, **options)
+
+    def both(**options: Any) -> Node:
+        node = publisher(Float32, "level", Float32(data=80.0), period=0.1)(**options)
+        for topic in ("refused", "unread"):
+            node.create_publisher(Float32, topic, 10)
+        return node
+
+    monkeypatch.setattr(ConsoleNode, "create_subscription", refusing)
+    async with robot(both, robot=file) as it:
+        await until(lambda: it.snapshot.gauges[0].value == 80.0)
+        reason = "RuntimeError: incompatible type"
+        why = f"is std_msgs/msg/Float32, and cannot be subscribed to here: {reason}"
+        assert it.snapshot.faults["refused"] == f"refused {why}"
+        said = texts(it)
+        assert f"refused {why}" in said
+        assert f"not recorded: unread {why}" in said
+        await while_passes(3)
+        assert texts(it) == said
+
+
+# Diagnostic statuses: levels, silence, and names without end.
+
+
+def array(*parts: tuple[str, Any, str], hardware: str = "") -> Any:
+    return SimpleNamespace(
+        status=[
+            SimpleNamespace(name=name, level=level, message=message, hardware_id=hardware)
+            for name, level, message in parts
+        ]
+    )
+
+
+def found(table: Diagnostics) -> list[tuple[str, str, str]]:
+    return [(status.part, status.level.value, status.message) for status in table.all]
+
+
+def test_a_level_is_a_byte_or_a_number() -> None:
+    table = Diagnostics()
+    table.add(array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", "")), 0.0)
+    assert [status.level.value for status in table.all] == ["ERROR", "WARN", "OK"]
+    assert table.all[0].message == "hot"
+
+
+def test_a_level_that_nobody_knows_is_an_error() -> None:
+    table = Diagnostics()
+    table.add(array(("a", b"\x09", "")), 0.0)
+    assert table.all[0].level is DiagnosticLevel.ERROR
+
+
+def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:
+    table = Diagnostics()
+    for second in range(20):
+        table.add(array(("quick", 0, "")), float(second))
+        if second % 4 == 0:
+            table.add(array(("slow", 0, "")), float(second))
+    quick, slow = table.all
+    assert quick.level_at(23.9) is DiagnosticLevel.OK
+    assert quick.level_at(24.1) is DiagnosticLevel.STALE
+    assert slow.level_at(24.1) is DiagnosticLevel.OK
+    assert slow.level_at(28.1) is DiagnosticLevel.STALE
+
+
+def test_names_without_end_do_not_fill_the_memory() -> None:
+    table = Diagnostics()
+    for number in range(1010):
+        table.add(array((f"part {number}", 0, "")), 0.0)
+    assert len(table.all) == 1000
+
+
+def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
+    table = Diagnostics()
+    table.add(array(*((f"part {number}", 0, "") for number in range(1000))), 0.0)
+    table.add(array(("late", 2, "hot"), ("later", 0, "")), 1.0)
+    assert len(table.all) == 1000
+    bad = [status.name for status in table.all if status.level is not DiagnosticLevel.OK]
+    assert bad == ["late"]
+    table.add(array(*((f"bad {number}", 2, "") for number in range(1010))), 2.0)
+    assert len(table.all) == 1000
+
+
+def test_parts_of_one_name_differ_by_their_hardware() -> None:
+    table = Diagnostics()
+    both = array(("motor", 2, "burnt"), hardware="left")
+    both.status += array(("motor", 0, "fine"), hardware="right").status
+    table.add(both, 0.0)
+    assert found(table) == [("motor (left)", "ERROR", "burnt"), ("motor (right)", "OK", "fine")]
+    table.add(both, 1.0)
+
+
+def test_the_worst_of_several_statuses_of_a_part_in_one_array_stays() -> None:
+    table = Diagnostics()
+    for second in range(20):
+        table.add(array(("a", 1, "w"), ("a", 2, "e"), ("a", 3, "s"), ("a", 0, "")), float(second))
+    assert found(table) == [("a", "ERROR", "e")]
+    assert table.all[0].period == 1.0
+
+
+def test_a_status_without_hardware_makes_way_unless_it_is_bad() -> None:
+    table = Diagnostics()
+    table.add(array(("motor", 0, "Node starting up"), ("fan", 2, "stuck")), 0.0)
+    table.add(array(("motor", 0, "fine"), ("fan", 0, "turns"), hardware="sn 12"), 1.0)
+    assert found(table) == [
+        ("fan", "ERROR", "stuck"),
+        ("fan (sn 12)", "OK", "turns"),
+        ("motor (sn 12)", "OK", "fine"),
+    ]
+
+
+def test_a_part_is_forgotten_until_it_reports_again() -> None:
+    table = Diagnostics()
+    table.add(array(("motor", 2, "burnt"), hardware="left"), 0.0)
+    table.forget(("motor", "left"))
+    assert table.all == ()
+    table.add(array(("motor", 2, "burnt"), hardware="left"), 1.0)
+    assert len(table.all) == 1
+
+
+# Clocks that differ: which stamps count, and when the alarm is over.
+
+
+def stamp(seconds: float) -> Any:
+    return SimpleNamespace(sec=int(seconds), nanosec=int(seconds % 1 * 1e9))
+
+
+def test_three_stamps_that_are_off_are_a_large_offset_until_the_clock_is_set() -> None:
+    offsets = ClockOffsets()
+    assert not offsets.add("/base", stamp(97.0), 100.0)
+    assert not offsets.add("/base", stamp(97.0), 100.0)
+    assert offsets.add("/base", stamp(97.0), 100.0)
+    assert offsets.large == {"/base": -3.0}
+    assert not offsets.add("/base", stamp(97.1), 100.0)
+    assert offsets.add("/base", stamp(100.0), 100.0)
+    assert offsets.large == {}
+
+
+def test_a_late_message_is_no_offset_nor_is_no_stamp() -> None:
+    offsets = ClockOffsets()
+    for late in (0.0, 5.0, 9.0, 0.2, 7.0):
+        offsets.add("/base", stamp(100.0), 100.0 + late)
+        offsets.add("/odom", stamp(0.0), 100.0)
+    assert offsets.large == {}
+
+
+def test_the_alarm_names_who_is_off_and_how_far() -> None:
+    clocks = NORMAL._replace(clock_offsets={"/base": -3.2, "/odom": 61.0})
+    text = "CLOCKS DIFFER: /odom is 61.0 s ahead, /base is 3.2 s behind: set one of them"
+    assert conditions(clocks, NOW)["clocks differ"].startswith(text)
+
+
+class Odometer(Node):
+    """Publishes with a stamp of 1970."""
+
+    def __init__(self, **options: Any) -> None:
+        from nav_msgs.msg import Odometry
+
+        super().__init__("odometer", **options)
+        self.publisher = self.create_publisher(Odometry, "odom", 10)
+        message = Odometry()
+        message.header.stamp.sec = 5
+        self.create_timer(0.1, lambda: self.publisher.publish(message))
+
+    def leave(self) -> None:
+        for timer in self.timers:
+            timer.cancel()
+        self.destroy_publisher(self.publisher)
+
+    def simulate(self) -> None:
+        self.create_publisher(Clock, "/clock", 10)
+
+
+@pytest.mark.parametrize("ends", [Odometer.leave, Odometer.simulate])
+async def test_what_left_or_is_simulated_has_no_clock(here: Path, ends: Any) -> None:
+    pytest.importorskip("nav_msgs")
+    file = here / "base.yaml"
+    file.write_text(
+        "version: 1\nname: Base\nstop: none\nmotion: {topic: odom, types: "
+        "{nav_msgs/msg/Odometry: {speed: twist.twist.linear.x}}}\n"
+    )
+    made = Made(Odometer)
+    async with robot(made, robot=file) as it:
+        it.own_nodes = tuple  # As if the node ran on another computer.
+        await until(lambda: "/odom" in it.snapshot.clock_offsets)
+        ends(made.node)
+        await until(lambda: "/odom" not in it.snapshot.clock_offsets)
