@@ -371,8 +371,9 @@ def pass_time(world: World) -> World:
 
 def _older(stop: Any) -> Any:
     def age(then: float | None) -> float | None:
-        is_finite = then is not None and then != float("-inf")
-        return max(round(then - STEP, 1), _OLDEST) if is_finite else then
+        if then is None or then == float("-inf"):
+            return then
+        return max(round(then - STEP, 1), _OLDEST)
 
     times = ("answered", "servers_changed", "due", "moves_since", "undone")
     return stop._replace(

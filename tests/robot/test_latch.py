@@ -116,7 +116,7 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
         await while_passes(6.0)
         assert said_by_others(it) == []
         assert (await ended(it.emergency_stop())).ok
-        assert it.snapshot.latch is Latch.HELD
+        await until(lambda: it.snapshot.latch is Latch.HELD)
         await elsewhere.restart()
         await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
         await until(lambda: "release_emergency_stop" in it.snapshot.offered)

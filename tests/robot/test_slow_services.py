@@ -16,8 +16,9 @@ from archo_tui.robot.outcome import Code, answer_of
 from tests.support.console import console
 from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
-from tests.support.robot import making, robot
+from tests.support.robot import robot
 from tests.support.ros import begin
+from tests.support.stand_in import Made
 
 KIND = "std_srvs/srv/Trigger"
 FILE = """
@@ -61,42 +62,42 @@ def file(here: Path) -> Path:
 
 
 async def test_an_answer_after_five_seconds_is_the_outcome_of_a_call(file: Path) -> None:
-    made: list[Mapper] = []
-    async with robot(making(made, Mapper), robot=file) as it:
+    mapper = Made(Mapper)
+    async with robot(mapper, robot=file) as it:
         await until(lambda: "/save_map" in it.snapshot.services)
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
-        await until(lambda: made[0].asked == 1)
+        await until(lambda: mapper.node.asked == 1)
         await while_passes(5.0)
         assert not call.done()
-        made[0].wake()
+        mapper.node.wake()
         outcome = await ended(call)
         assert outcome == (Code.DONE, "success true, message map.pgm")
         assert answer_of(outcome).message == "map.pgm"
 
 
 async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
-    made: list[Mapper] = []
-    async with robot(making(made, Mapper), robot=file, offers="e_stop save_map") as it:
+    mapper = Made(Mapper)
+    async with robot(mapper, robot=file, offers="e_stop save_map") as it:
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
-        await until(lambda: made[0].asked == 1)
+        await until(lambda: mapper.node.asked == 1)
         it.stops.register()
         assert (await ended(it.emergency_stop())).ok
-        assert made[0].stopped
+        assert mapper.node.stopped
         assert not call.done()
-        made[0].wake()
+        mapper.node.wake()
         assert (await ended(call)).ok
 
 
 @pytest.mark.parametrize("how", ["by its name", "by its key"])
 async def test_an_answer_that_comes_too_late_is_told(file: Path, how: str) -> None:
-    made: list[Mapper] = []
-    async with robot(making(made, Mapper), robot=file, offers="save_map") as it:
+    mapper = Made(Mapper)
+    async with robot(mapper, robot=file, offers="save_map") as it:
         if how == "by its name":
             outcome = await ended(it.call("/save_map", KIND, {}, wait=2.0))
         else:
             outcome = await ended(it.command(it.file.commands[0]))
         assert outcome == (Code.TIMEOUT, "no answer in 2 s: the robot may still do it")
-        made[0].wake()
+        mapper.node.wake()
         await until(lambda: any("answered late: " in e.text for e in it.snapshot.events))
         told = next(e.text for e in it.snapshot.events if "answered late: " in e.text)
         assert told.startswith(("call save_map, ", "save map, "))
@@ -105,10 +106,10 @@ async def test_an_answer_that_comes_too_late_is_told(file: Path, how: str) -> No
 
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_a_key_stops_waiting_and_the_answer_is_told(file: Path, key: str) -> None:
-    made: list[Mapper] = []
+    mapper = Made(Mapper)
     text = FILE.replace("service: save_map", "service: other")
     file.write_text(text)
-    async with console(robot=file, node_makers=[making(made, Mapper)], wait=False) as op:
+    async with console(robot=file, node_makers=[mapper], wait=False) as op:
         await op.until(lambda: "/save_map" in op.app.view.snapshot.services)
         await op.press("C")
         await op.until("/save_map")
@@ -116,10 +117,10 @@ async def test_a_key_stops_waiting_and_the_answer_is_told(file: Path, key: str) 
         await op.until("It takes no values.")
         await op.press("enter")
         await op.until("esc stops waiting")
-        await until(lambda: made[0].asked == 1)
+        await until(lambda: mapper.node.asked == 1)
         await op.press(key)
         await op.until("waiting no longer: the")
-        made[0].wake()
+        mapper.node.wake()
         await op.until("success true, message map.pgm")
 
 
@@ -132,12 +133,12 @@ def bare(here: Path) -> Path:
 
 
 async def test_a_call_that_runs_is_an_event_and_the_next_line_waits_for_it(bare: Path) -> None:
-    made: list[Mapper] = []
-    async with operated(making(made, Mapper), robot=bare) as person:
+    mapper = Made(Mapper)
+    async with operated(mapper, robot=bare) as person:
         person.type("call save_map\nnodes\nquit\n")
         await person.until("YOU console: call save_map: running, no answer yet (waited for up to ")
         assert "mapper up" not in person.said
-        made[0].wake()
+        mapper.node.wake()
         assert await person.end("") == 0
     _, after = person.said.split("YOU console: call save_map: success true, message map.pgm\n")
     assert "mapper up" in after
@@ -146,8 +147,8 @@ async def test_a_call_that_runs_is_an_event_and_the_next_line_waits_for_it(bare:
 
 @pytest.mark.waits
 async def test_a_slow_call_that_fails_behind_other_lines_counts_at_the_end(bare: Path) -> None:
-    made: list[Mapper] = []
-    async with operated(making(made, Mapper), robot=bare) as person:
+    mapper = Made(Mapper)
+    async with operated(mapper, robot=bare) as person:
         person.type("call save_map\nnodes\n")
         await person.until("mapper up")
         assert await person.end("") == 1
@@ -155,9 +156,9 @@ async def test_a_slow_call_that_fails_behind_other_lines_counts_at_the_end(bare:
 
 
 async def test_what_is_answered_in_time_is_not_said_to_run(bare: Path) -> None:
-    made: list[Mapper] = []
-    async with operated(making(made, Mapper), robot=bare) as person:
-        made[0].wake()
+    mapper = Made(Mapper)
+    async with operated(mapper, robot=bare) as person:
+        mapper.node.wake()
         assert await person.end("call save_map\n") == 0
     assert "call save_map: success true" in person.said
     assert "running" not in person.said

@@ -186,11 +186,13 @@ async def test_an_open_stop_finds_its_server_before_the_graph_is_polled_again() 
 async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kind: Any) -> None:
     called: list[Any] = []
 
+    def stop(request: Any, response: Any) -> Any:
+        called.append(request)
+        return response
+
     def stopping(**options: Any) -> Node:
         made = Node("stopping", **options)
-        made.create_service(
-            kind, "emergency_stop", lambda request, response: called.append(request) or response
-        )
+        made.create_service(kind, "emergency_stop", stop)
         return made
 
     async with robot(stopping, offers="emergency_stop") as it:

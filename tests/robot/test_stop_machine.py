@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
+from typing import Any
 
 import pytest
 
@@ -19,6 +18,7 @@ from archo_tui.robot.stop.machine import (
     Facts,
     Result,
     Servers,
+    State,
     Stop,
     StopEffect,
 )
@@ -27,17 +27,46 @@ pytestmark = pytest.mark.pure
 
 MOTOR: Servers = frozenset({("/motor", frozenset({b"1"}))})
 AGAIN: Servers = frozenset({("/motor", frozenset({b"2"}))})
+FAR: Servers = frozenset({("/far", frozenset({b"7"}))})
 ALL = Facts(moves=True, is_heard=True, is_offered=True)
 JUST_BEFORE = 0.01
+YES, NO, NOTHING = StopAnswer.AWAITED, StopAnswer.REFUSED, StopAnswer.NONE
+UNCLEAR, NOT_SENT = StopAnswer.UNCONFIRMED, StopAnswer.NOT_SENT
+
+
+def pressed(turn: int = 2, now: float = 0.0, stop: Stop = Stop()) -> Stop:  # noqa: B008 - immutable
+    return stop.calling(turn, now, is_pressed=True)
+
+
+def repeated(stop: Stop, turn: int, now: float) -> Stop:
+    return stop.calling(turn, now, is_pressed=False)
 
 
 def called(now: float = 0.0) -> Stop:
     """A STOP that left at this time, in turn 2."""
-    return Stop().calling(2, now, is_pressed=True).leaving(3, MOTOR)
+    return pressed(now=now).leaving(3, MOTOR)
 
 
-def answered(stop: Stop, answer: StopAnswer, now: float = 0.0) -> Stop:
-    return stop.answered_by(Result(answer), 2, now, 4, MOTOR, MOTOR, ())
+def answered(
+    stop: Stop,
+    answer: StopAnswer = YES,
+    now: float = 0.0,
+    *,
+    turn: int = 2,
+    asked: Servers = MOTOR,
+    servers: Servers = MOTOR,
+    here: Any = (),
+    is_late: bool = False,
+) -> Stop:
+    return stop.answered_by(Result(answer), turn, now, 30, asked, servers, here, is_late=is_late)
+
+
+HELD = answered(called())
+PEERS = Stop().stopped_elsewhere("lab", 5, 0.0, MOTOR, ())
+
+
+def reported(stop: Stop, now: float, *, moving: Any = None, stopped: Any = None) -> Stop:
+    return stop.moved(Motion(moving=moving, stopped=stopped, received=now), now, MOTOR, ())
 
 
 def todo(stop: Stop, now: float, facts: Facts = ALL) -> set[StopEffect]:
@@ -52,102 +81,6 @@ def at_edge(stop: Stop, what: StopEffect, after: float) -> None:
 def test_the_times_are_those_that_the_page_promises() -> None:
     times = (CANCEL_AFTER, CANCEL_OTHERS_AFTER, REPEAT_AFTER, OBEYED, SETTLED)
     assert times == (0.3, 1.0, 1.0, 1.0, 1.0)
-
-
-def test_goals_from_here_and_then_those_of_others_are_cancelled() -> None:
-    at_edge(called(), StopEffect.CANCEL_OWN, CANCEL_AFTER)
-    at_edge(called(), StopEffect.CANCEL_ALL, CANCEL_OTHERS_AFTER)
-    still = ALL._replace(moves=False)
-    assert StopEffect.CANCEL_ALL not in todo(called(), 10.0, still)
-
-
-@pytest.mark.parametrize("answer", [StopAnswer.REFUSED, StopAnswer.NONE])
-def test_a_stop_that_got_no_yes_is_due_again_while_the_robot_is_heard(answer: StopAnswer) -> None:
-    stop = answered(called(), answer, 5.0)
-    at_edge(stop, StopEffect.SEND, 5.0 + REPEAT_AFTER)
-    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_heard=False))
-    assert StopEffect.SEND in todo(stop, 60.0, ALL._replace(is_offered=False))
-
-
-def test_a_stop_that_was_not_sent_is_due_once_a_node_offers_it() -> None:
-    stop = answered(Stop().calling(2, 0.0, is_pressed=True), StopAnswer.NOT_SENT)
-    assert StopEffect.SEND in todo(stop, REPEAT_AFTER, ALL._replace(is_heard=False))
-    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_offered=False))
-
-
-def test_a_stop_that_cannot_say_yes_is_sent_again_only_while_something_moves() -> None:
-    stop = answered(called(), StopAnswer.UNCONFIRMED)
-    assert StopEffect.SEND in todo(stop, REPEAT_AFTER)
-    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(moves=False))
-
-
-def moving(received: float, *, stopped: bool | None = None) -> Motion:
-    return Motion(moving=True, stopped=stopped, received=received)
-
-
-def test_a_robot_that_moves_for_a_second_behind_a_stop_has_not_obeyed_it() -> None:
-    held = answered(called(), StopAnswer.AWAITED)
-    assert held.latch is Latch.HELD
-    early = held.moved(moving(OBEYED - JUST_BEFORE), OBEYED - JUST_BEFORE, MOTOR, ())
-    assert not early.is_not_obeyed
-    assert held.moved(moving(OBEYED), OBEYED, MOTOR, ()).is_not_obeyed
-    assert held.must_be_obeyed(OBEYED - JUST_BEFORE) == 0
-    assert held.must_be_obeyed(OBEYED) == 2
-
-
-def test_a_report_just_after_another_node_came_may_be_of_the_one_before() -> None:
-    doubted = answered(called(), StopAnswer.AWAITED).served_by(AGAIN, (), 10.0)
-    assert doubted.latch is Latch.UNCERTAIN
-    says = Motion(stopped=True, received=0.0)
-    early = doubted.moved(says, 10.0 + SETTLED - JUST_BEFORE, AGAIN, ())
-    assert early.latch is Latch.UNCERTAIN
-    assert doubted.moved(says, 10.0 + SETTLED, AGAIN, ()).latch is Latch.HELD
-
-
-def test_another_consoles_stop_is_not_certain_just_after_a_release() -> None:
-    released = Stop().release_accepted(5, 10.0, 6)
-    early = released.stopped_elsewhere("lab", 7, 10.0 + SETTLED - JUST_BEFORE, MOTOR, ())
-    assert early.latch is Latch.UNCERTAIN
-    later = released.stopped_elsewhere("lab", 7, 10.0 + SETTLED, MOTOR, ())
-    assert later.latch is Latch.HELD
-
-
-def test_another_consoles_release_that_is_told_late_does_not_undo_the_stop_behind_it() -> None:
-    held = answered(called(), StopAnswer.AWAITED)
-    reported = held.moved(Motion(stopped=True, received=0.0), 5.0, MOTOR, ())
-    told = reported.released_elsewhere("lab", 9, 6.0)
-    assert (told.latch, told.may_start) == (Latch.HELD, False)
-    released = told.moved(Motion(stopped=False, received=0.0), 7.0, MOTOR, ())
-    assert (released.latch, released.may_start) == (Latch.NONE, True)
-    # Without such a report nobody knows which was last.
-    assert held.released_elsewhere("lab", 9, 6.0).latch is Latch.UNCERTAIN
-
-
-def test_nobody_that_serves_it_is_told_as_not_sent() -> None:
-    stop = Stop().calling(2, 0.0, is_pressed=True)
-    unsent = stop.answered_by(Result(StopAnswer.NOT_SENT), 2, 0.0, 4, NOBODY, NOBODY, ())
-    assert unsent.has_reached_nobody
-    assert not unsent.may_start
-    assert unsent.given_up().may_start
-
-
-def test_who_serves_it_is_asked_for_only_when_a_report_changes_something() -> None:
-    held = answered(called(), StopAnswer.AWAITED)
-    says = held.moved(Motion(stopped=True, received=0.0), 5.0, MOTOR, ())
-    for stop, stopped, needs in (
-        (says, False, True),
-        (says, True, False),
-        (held, False, False),
-        (Stop(), True, True),
-        (Stop(), False, False),
-    ):
-        assert stop.needs_servers(Motion(stopped=stopped)) is needs
-
-
-# The rules of STOP one by one: the order of turns, late answers, reports of motion.
-
-FAR = frozenset({("/far", frozenset({b"7"}))})
-HELD = answered(called(), StopAnswer.AWAITED)
 
 
 def test_a_machine_to_which_nothing_has_happened_wants_nothing() -> None:
@@ -165,25 +98,51 @@ def test_a_machine_to_which_nothing_has_happened_wants_nothing() -> None:
 def test_the_first_turn_of_all_counts_as_any_other() -> None:
     assert Stop().goal_accepted(1, 5.0).released == 5.0
     assert Stop().release_accepted(1, 5.0, 2).released == 5.0
-    stop = Stop().calling(1, 0.0, is_pressed=True).leaving(1, MOTOR)
+    stop = pressed(turn=1).leaving(1, MOTOR)
     assert StopEffect.CANCEL_ALL in todo(stop, 60.0)
-    shown = stop.answered_by(Result(StopAnswer.REFUSED), 1, 0.0, 2, MOTOR, MOTOR, ()).open
+    shown = answered(stop, NO, turn=1).open
     assert shown is not None
-    assert shown.answer is StopAnswer.REFUSED
+    assert shown.answer is NO
 
 
 # The open STOP.
 
 
+def test_goals_from_here_and_then_those_of_others_are_cancelled() -> None:
+    at_edge(called(), StopEffect.CANCEL_OWN, CANCEL_AFTER)
+    at_edge(called(), StopEffect.CANCEL_ALL, CANCEL_OTHERS_AFTER)
+    assert StopEffect.CANCEL_ALL not in todo(called(), 10.0, ALL._replace(moves=False))
+
+
+@pytest.mark.parametrize("answer", [NO, NOTHING])
+def test_a_stop_that_got_no_yes_is_due_again_while_the_robot_is_heard(answer: StopAnswer) -> None:
+    stop = answered(called(), answer, 5.0)
+    at_edge(stop, StopEffect.SEND, 5.0 + REPEAT_AFTER)
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_heard=False))
+    assert StopEffect.SEND in todo(stop, 60.0, ALL._replace(is_offered=False))
+
+
+def test_a_stop_that_was_not_sent_is_due_once_a_node_offers_it() -> None:
+    stop = answered(pressed(), NOT_SENT)
+    assert StopEffect.SEND in todo(stop, REPEAT_AFTER, ALL._replace(is_heard=False))
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_offered=False))
+
+
+def test_a_stop_that_cannot_say_yes_is_sent_again_only_while_something_moves() -> None:
+    stop = answered(called(), UNCLEAR)
+    assert StopEffect.SEND in todo(stop, REPEAT_AFTER)
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(moves=False))
+
+
 def test_a_repeat_cancels_nothing_anew_and_a_press_does() -> None:
     stop, _ = called().tick(2.0, ALL)
-    assert StopEffect.CANCEL_ALL not in todo(stop.calling(8, 3.0, is_pressed=False), 5.0)
-    assert StopEffect.CANCEL_ALL in todo(stop.calling(8, 3.0, is_pressed=True), 5.0)
+    assert StopEffect.CANCEL_ALL not in todo(repeated(stop, 8, 3.0), 5.0)
+    assert StopEffect.CANCEL_ALL in todo(pressed(8, 3.0, stop), 5.0)
 
 
 def test_a_call_that_the_machine_opens_itself_is_as_good_as_a_press() -> None:
     done, _ = called().tick(2.0, ALL)
-    opened = done.given_up().calling(8, 3.0, is_pressed=False)
+    opened = repeated(done.given_up(), 8, 3.0)
     assert opened.open is not None
     assert StopEffect.CANCEL_ALL in todo(opened.leaving(9, MOTOR), 5.0)
     assert opened.must_follow(7)  # It is not given up, as the one before was.
@@ -197,86 +156,70 @@ def test_the_goals_of_others_are_cancelled_by_their_ids_once_all_were() -> None:
 
 
 def test_a_node_that_got_a_later_call_is_not_confirmed_by_an_earlier() -> None:
-    both = called().calling(5, 1.0, is_pressed=False).leaving(6, MOTOR | FAR)
-    early = both.answered_by(Result(StopAnswer.AWAITED), 2, 1.0, 7, MOTOR, MOTOR | FAR, ())
-    assert early.open is not None
-    left = both.answered_by(Result(StopAnswer.AWAITED), 2, 1.0, 7, MOTOR, MOTOR, ())
+    both = repeated(called(), 5, 1.0).leaving(6, MOTOR | FAR)
+    assert answered(both, servers=MOTOR | FAR).open is not None
+    left = answered(both)
     assert (left.open, left.latch) == (None, Latch.UNCERTAIN)
     assert left.doubt == "/far has left without an answer"
 
 
-def test_the_answer_of_the_last_call_is_shown() -> None:
-    refused = Result(StopAnswer.REFUSED, "busy")
-    silent = Result(StopAnswer.NONE)
-    stop = called().calling(5, 1.0, is_pressed=False).leaving(6, MOTOR)
-
-    def shown(*answers: tuple[Result, int]) -> StopAnswer | None:
-        after = stop
-        for result, turn in answers:
-            after = after.answered_by(result, turn, 2.0, 9, MOTOR, MOTOR, ())
-        return after.open and after.open.answer
-
-    assert shown((refused, 5), (silent, 2)) is StopAnswer.REFUSED
-    assert shown((silent, 5), (refused, 2)) is StopAnswer.REFUSED  # Rather than nothing.
-    assert shown((refused, 2), (silent, 5)) is StopAnswer.REFUSED  # It refuses, late.
-    unsent = Result(StopAnswer.NOT_SENT)
-    assert shown((refused, 2), (unsent, 5)) is StopAnswer.NOT_SENT
-    assert shown((unsent, 5), (refused, 2)) is StopAnswer.NOT_SENT
-    assert shown((unsent, 5), (refused, 5)) is StopAnswer.NOT_SENT
+@pytest.mark.parametrize(
+    ("answers", "shown"),
+    [
+        (((NO, 5), (NOTHING, 2)), NO),
+        (((NOTHING, 5), (NO, 2)), NO),  # Rather than nothing.
+        (((NO, 2), (NOTHING, 5)), NO),  # It refuses, late.
+        (((NO, 2), (NOT_SENT, 5)), NOT_SENT),
+        (((NOT_SENT, 5), (NO, 2)), NOT_SENT),
+        (((NOT_SENT, 5), (NO, 5)), NOT_SENT),
+    ],
+)
+def test_the_answer_of_the_last_call_is_shown(answers: Any, shown: StopAnswer) -> None:
+    stop = repeated(called(), 5, 1.0).leaving(6, MOTOR)
+    for answer, turn in answers:
+        stop = answered(stop, answer, 2.0, turn=turn)
+    assert stop.open is not None
+    assert stop.open.answer is shown
 
 
 def test_an_empty_answer_is_to_be_obeyed_and_a_refusal_is_not() -> None:
-    empty = answered(called(), StopAnswer.UNCONFIRMED, 1.0)
-    assert empty.must_be_obeyed(1.0 + OBEYED) == 2
-    assert answered(called(), StopAnswer.REFUSED, 1.0).must_be_obeyed(60.0) == 0
+    assert answered(called(), UNCLEAR, 1.0).must_be_obeyed(1.0 + OBEYED) == 2
+    assert answered(called(), NO, 1.0).must_be_obeyed(60.0) == 0
 
 
 def test_a_stop_that_has_reached_nobody_has_never_left() -> None:
-    unsent = Result(StopAnswer.NOT_SENT)
-    stop = Stop().calling(2, 0.0, is_pressed=True)
-    assert not stop.has_reached_nobody  # It may leave yet.
-    never = stop.answered_by(unsent, 2, 0.0, 4, NOBODY, NOBODY, ())
+    assert not pressed().has_reached_nobody  # It may leave yet.
+    never = answered(pressed(), NOT_SENT, asked=NOBODY, servers=NOBODY)
     assert never.has_reached_nobody
-    left = never.calling(5, 1.0, is_pressed=False).leaving(5, MOTOR)
-    assert not left.has_reached_nobody
-    first = stop.leaving(2, MOTOR).answered_by(unsent, 2, 0.0, 4, NOBODY, NOBODY, ())
-    assert not first.has_reached_nobody
-    behind = HELD.calling(8, 1.0, is_pressed=True)
-    assert (
-        not behind._replace(last_turn=0)
-        .answered_by(unsent, 8, 1.0, 9, NOBODY, NOBODY, ())
-        .has_reached_nobody
-    )  # The one before holds.
+    assert not never.may_start
+    assert never.given_up().may_start
+    assert not repeated(never, 5, 1.0).leaving(5, MOTOR).has_reached_nobody
+    assert not answered(pressed().leaving(2, MOTOR), NOT_SENT).has_reached_nobody
+    behind = pressed(8, 1.0, HELD)._replace(last_turn=0)
+    unsent = answered(behind, NOT_SENT, 1.0, turn=8, asked=NOBODY, servers=NOBODY)
+    assert not unsent.has_reached_nobody  # The one before holds.
 
 
 def test_an_answer_to_a_stop_that_is_over_is_not_shown() -> None:
-    refused = Result(StopAnswer.REFUSED, "busy")
-    later = called().given_up().calling(8, 1.0, is_pressed=True).leaving(9, MOTOR)
-    late = later.answered_by(refused, 2, 2.0, 10, MOTOR, MOTOR, ())
+    later = pressed(8, 1.0, called().given_up()).leaving(9, MOTOR)
+    late = answered(later, NO, 2.0)
     assert (late.open, late.awaited) == (later.open, later.awaited - 1)
-    over = called().given_up().answered_by(refused, 2, 2.0, 10, MOTOR, MOTOR, ())
-    assert over.open is None
-    both = called().calling(5, 1.0, is_pressed=False).leaving(6, MOTOR | FAR).given_up()
-    yes = both.answered_by(Result(StopAnswer.AWAITED), 2, 9.0, 10, MOTOR, MOTOR | FAR, ())
-    assert yes.latch is Latch.UNCERTAIN
+    assert answered(called().given_up(), NO, 2.0).open is None
+    both = repeated(called(), 5, 1.0).leaving(6, MOTOR | FAR).given_up()
+    assert answered(both, now=9.0, servers=MOTOR | FAR).latch is Latch.UNCERTAIN
 
 
 def test_what_ends_a_stop_ends_all_that_followed_it() -> None:
-    disobeying = HELD.moved(moving(OBEYED), OBEYED, MOTOR, ())._replace(holders_have_ended=True)
+    disobeying = reported(HELD, OBEYED, moving=True)._replace(holders_have_ended=True)
     over = disobeying.goal_accepted(9, 5.0)
-    assert not over.is_not_obeyed
-    assert not over.holders_have_ended
-    assert not over.must_follow(1)
+    assert not any((over.is_not_obeyed, over.holders_have_ended, over.must_follow(1)))
     done, _ = called().tick(2.0, ALL)
     assert StopEffect.CANCEL_OTHERS not in todo(done.goal_accepted(9, 5.0), 6.0)
     # Another console's release of its own STOP ends nothing of ours.
     peers = Stop().stopped_elsewhere("lab", 1, 0.0, MOTOR, ())
-    ours, _ = peers.calling(2, 0.0, is_pressed=True).leaving(3, MOTOR).tick(2.0, ALL)
+    ours, _ = pressed(stop=peers).leaving(3, MOTOR).tick(2.0, ALL)
     assert (StopEffect.CANCEL_OTHERS, 2) in ours.released_elsewhere("lab", 4, 3.0).tick(4.0, ALL)[1]
-    held = answered(ours, StopAnswer.AWAITED).moved(
-        Motion(stopped=True, received=5.0), 5.0, MOTOR, ()
-    )
-    free = held.moved(Motion(stopped=False, received=6.0), 6.0, MOTOR, ())
+    free = reported(reported(answered(ours), 5.0, stopped=True), 6.0, stopped=False)
     assert StopEffect.CANCEL_OTHERS not in todo(free, 7.0)
 
 
@@ -304,10 +247,9 @@ def test_a_release_counts_by_its_turn() -> None:
     assert early.doubt == "a release from before it was answered behind it"
     assert early.must_follow(3)
     assert HELD.release_accepted(4, 9.0, 10).latch is Latch.NONE
-    peers = Stop().stopped_elsewhere("lab", 5, 0.0, MOTOR, ())
-    assert peers.release_accepted(5, 9.0, 10).latch is Latch.UNCERTAIN
-    assert peers.goal_accepted(5, 9.0) == peers
-    assert peers.release_accepted(6, 9.0, 10).latch is Latch.NONE
+    assert PEERS.release_accepted(5, 9.0, 10).latch is Latch.UNCERTAIN
+    assert PEERS.goal_accepted(5, 9.0) == PEERS
+    assert PEERS.release_accepted(6, 9.0, 10).latch is Latch.NONE
 
 
 def test_what_must_be_followed_by_another_stop() -> None:
@@ -320,25 +262,23 @@ def test_what_must_be_followed_by_another_stop() -> None:
 
 
 def test_a_late_yes_to_a_stop_that_is_past_holds() -> None:
-    def late(stop: Stop, turn: int) -> Latch:
-        yes = Result(StopAnswer.AWAITED)
-        return stop.answered_by(yes, turn, 20.0, 30, MOTOR, MOTOR, (), is_late=True).latch
-
     released = called().release_accepted(7, 1.0, 8)
-    assert late(released, 6) is Latch.UNCERTAIN
-    assert late(released, 7) is Latch.HELD
-    assert late(called().given_up(), 2) is Latch.HELD
+    for stop, turn, latch in (
+        (released, 6, Latch.UNCERTAIN),
+        (released, 7, Latch.HELD),
+        (called().given_up(), 2, Latch.HELD),
+    ):
+        assert answered(stop, now=20.0, turn=turn, is_late=True).latch is latch
 
 
 def test_a_yes_to_a_held_stop_only_says_when_it_is_to_be_obeyed() -> None:
-    again = HELD.answered_by(Result(StopAnswer.AWAITED), 5, 9.0, 30, FAR, MOTOR, ())
+    again = answered(HELD, now=9.0, turn=5, asked=FAR)
     assert (again.held, again.holders) == (HELD.held, HELD.holders)
     assert again.must_be_obeyed(9.0 + OBEYED) == 5
 
 
 def test_a_later_yes_holds_anew_while_a_stop_is_open() -> None:
-    open_again = HELD.calling(6, 4.0, is_pressed=True).leaving(7, FAR)
-    held = open_again.answered_by(Result(StopAnswer.AWAITED), 6, 5.0, 8, FAR, FAR, ())
+    held = answered(pressed(6, 4.0, HELD).leaving(7, FAR), YES, 5.0, turn=6, asked=FAR, servers=FAR)
     assert (held.held, held.holders) == (5.0, FAR)
 
 
@@ -347,10 +287,9 @@ def test_a_later_yes_holds_anew_while_a_stop_is_open() -> None:
 
 def test_a_node_that_carried_it_out_before_it_spun_holds_it_too() -> None:
     early = called().carried_out_early("/motor")
-    held = early.answered_by(Result(StopAnswer.AWAITED), 2, 0.0, 4, AGAIN, MOTOR, ())
+    held = answered(early, asked=AGAIN)
     assert held.latch is Latch.HELD
-    gone = held.served_by(NOBODY, (), 1.0)
-    assert gone.latch is Latch.UNCERTAIN
+    assert held.served_by(NOBODY, (), 1.0).latch is Latch.UNCERTAIN
     # In the name of a later STOP it must be called as any other.
     told = early._replace(open=None).stopped_elsewhere("lab", 9, 5.0, AGAIN, ())
     assert told.served_by(MOTOR, (), 6.0).latch is Latch.UNCERTAIN
@@ -358,41 +297,31 @@ def test_a_node_that_carried_it_out_before_it_spun_holds_it_too() -> None:
 
 def test_it_is_held_here_as_long_as_only_nodes_of_this_process_serve_it() -> None:
     here = ("/motor",)
-    yes = Result(StopAnswer.AWAITED)
-    held = called().answered_by(yes, 2, 0.0, 4, MOTOR, MOTOR, here)
+    held = answered(called(), here=here)
     assert held.is_held_here
-    reported = held.served_by(AGAIN, (), 1.0).moved(Motion(stopped=True), 9.0, MOTOR, ())
-    assert not reported.is_held_here
-    again = held._replace(state=Stop().state).stopped_elsewhere("lab", 9, 5.0, MOTOR, ())
+    assert not reported(held.served_by(AGAIN, (), 1.0), 9.0, stopped=True).is_held_here
+    again = held._replace(state=State.NONE).stopped_elsewhere("lab", 9, 5.0, MOTOR, ())
     assert again.is_held_here  # Told once more, of the same nodes.
-    assert not called().answered_by(yes, 2, 0.0, 4, FAR, FAR, here).is_held_here
+    assert not answered(called(), asked=FAR, servers=FAR, here=here).is_held_here
     assert not Stop().stopped_elsewhere("lab", 9, 5.0, NOBODY, here).is_held_here
 
 
 def test_holding_anew_forgets_what_had_ended_and_was_given_up() -> None:
-    ended = HELD._replace(holders_have_ended=True, is_given_up=True)
-    assert (
-        not ended._replace(state=Stop().state)
-        .stopped_elsewhere("lab", 9, 5.0, MOTOR, ())
-        .holders_have_ended
-    )
+    ended = HELD._replace(holders_have_ended=True, state=State.NONE)
+    assert not ended.stopped_elsewhere("lab", 9, 5.0, MOTOR, ()).holders_have_ended
     told = Stop(is_given_up=True).stopped_elsewhere("lab", 9, 5.0, MOTOR, ())
     assert told.is_given_up  # Ours is, whatever another console's does.
-    late = (
-        called()
-        .given_up()
-        .answered_by(Result(StopAnswer.AWAITED), 2, 9.0, 10, MOTOR, MOTOR, (), is_late=True)
-    )
-    assert not late.is_given_up
+    assert not answered(called().given_up(), now=9.0, is_late=True).is_given_up
+
+
+# What another console reports.
 
 
 def test_only_the_console_that_stopped_it_undoes_its_own_stop() -> None:
-    peers = Stop().stopped_elsewhere("lab", 5, 0.0, MOTOR, ())
-    assert peers.released_elsewhere("lab", 6, 9.0).latch is Latch.NONE
-    other = peers.released_elsewhere("desk", 6, 9.0)
+    assert PEERS.released_elsewhere("lab", 6, 9.0).latch is Latch.NONE
+    other = PEERS.released_elsewhere("desk", 6, 9.0)
     assert (other.latch, other.doubt) == (Latch.UNCERTAIN, "console desk released it")
-    doubted = peers.released_elsewhere("desk", 6, 9.0)
-    assert doubted.released_elsewhere("lab", 7, 10.0).latch is Latch.UNCERTAIN
+    assert other.released_elsewhere("lab", 7, 10.0).latch is Latch.UNCERTAIN
 
 
 def test_another_consoles_stop_of_a_robot_that_is_held_changes_not_who_holds_it() -> None:
@@ -402,201 +331,183 @@ def test_another_consoles_stop_of_a_robot_that_is_held_changes_not_who_holds_it(
 
 
 def test_another_consoles_stop_is_left_to_a_robot_that_reports_it() -> None:
-    reporting = Stop(reports=True)
-    told = reporting.stopped_elsewhere("lab", 5, 3.0, MOTOR, ())
+    told = Stop(reports=True).stopped_elsewhere("lab", 5, 3.0, MOTOR, ())
     assert told.latch is Latch.NONE
     assert told.must_be_obeyed(3.0 + OBEYED) == 5
+
+
+def test_another_consoles_stop_is_not_certain_just_after_a_release() -> None:
+    released = Stop().release_accepted(5, 10.0, 6)
+    for after, latch in ((SETTLED - JUST_BEFORE, Latch.UNCERTAIN), (SETTLED, Latch.HELD)):
+        told = released.stopped_elsewhere("lab", 7, 10.0 + after, MOTOR, ())
+        assert told.latch is latch
+
+
+def test_another_consoles_release_that_is_told_late_does_not_undo_the_stop_behind_it() -> None:
+    told = reported(HELD, 5.0, stopped=True).released_elsewhere("lab", 9, 6.0)
+    assert (told.latch, told.may_start) == (Latch.HELD, False)
+    released = reported(told, 7.0, stopped=False)
+    assert (released.latch, released.may_start) == (Latch.NONE, True)
+    # Without such a report nobody knows which was last.
+    assert HELD.released_elsewhere("lab", 9, 6.0).latch is Latch.UNCERTAIN
 
 
 # Motion.
 
 
-def test_a_report_closes_a_stop_that_has_left() -> None:
-    says = Motion(stopped=True, received=0.0)
-    assert called().moved(says, 1.0, MOTOR, ()).open is None
-    unsent = Stop().calling(2, 0.0, is_pressed=True)
-    assert unsent.moved(says, 1.0, MOTOR, ()).open is not None
-    assert unsent.leaving(2, MOTOR).moved(says, 1.0, MOTOR, ()).open is None
+def test_a_robot_that_moves_for_a_second_behind_a_stop_has_not_obeyed_it() -> None:
+    assert not reported(HELD, OBEYED - JUST_BEFORE, moving=True).is_not_obeyed
+    assert reported(HELD, OBEYED, moving=True).is_not_obeyed
+    assert HELD.must_be_obeyed(OBEYED - JUST_BEFORE) == 0
+    assert HELD.must_be_obeyed(OBEYED) == 2
+    asked = answered(called(4.0), now=4.8)  # From when it was asked, not answered.
+    assert not reported(asked, 4.9, moving=True).is_not_obeyed
+    assert reported(asked, 5.0, moving=True).is_not_obeyed
 
 
-def test_a_robot_that_stands_or_says_that_it_was_released_obeys() -> None:
-    disobeys = HELD.moved(moving(OBEYED), OBEYED, MOTOR, ())
-    assert disobeys.is_not_obeyed
-    stands = Motion(moving=False, received=2.0)
-    assert not disobeys.moved(stands, 2.0, MOTOR, ()).is_not_obeyed
-    says = HELD.moved(moving(5.0, stopped=True), 5.0, MOTOR, ())
-    assert not says.moved(moving(9.0, stopped=False), 9.0, MOTOR, ()).is_not_obeyed
+def test_a_robot_that_stands_or_says_or_was_told_that_it_was_released_obeys() -> None:
+    disobeys = reported(HELD, OBEYED, moving=True)
+    assert not reported(disobeys, 2.0, moving=False).is_not_obeyed
+    assert not disobeys.release_accepted(9, 9.0, 10).is_not_obeyed
+    says = reported(HELD, 5.0, moving=True, stopped=True)
+    assert not reported(says, 9.0, moving=True, stopped=False).is_not_obeyed
 
 
 def test_a_robot_that_was_stopped_by_something_else_has_a_second_to_stand() -> None:
-    says = Stop().moved(moving(5.0, stopped=True), 5.0, MOTOR, ())
-    assert not says.is_not_obeyed
-    assert says.moved(moving(5.9, stopped=True), 5.9, MOTOR, ()).is_not_obeyed is False
-    assert says.moved(moving(6.0, stopped=True), 6.0, MOTOR, ()).is_not_obeyed
+    says = reported(Stop(), 5.0, moving=True, stopped=True)
+    for now, is_not_obeyed in ((5.0, False), (5.9, False), (6.0, True)):
+        assert reported(says, now, moving=True, stopped=True).is_not_obeyed is is_not_obeyed
 
 
-def test_a_stop_is_to_be_obeyed_from_when_it_was_asked() -> None:
-    stop = answered(called(4.0), StopAnswer.AWAITED, 4.8)
-    assert not stop.moved(moving(4.9), 4.9, MOTOR, ()).is_not_obeyed
-    assert stop.moved(moving(5.0), 5.0, MOTOR, ()).is_not_obeyed
+def test_a_report_closes_a_stop_that_has_left() -> None:
+    assert reported(called(), 1.0, stopped=True).open is None
+    assert reported(pressed(), 1.0, stopped=True).open is not None
+    assert reported(pressed().leaving(2, MOTOR), 1.0, stopped=True).open is None
+
+
+def test_a_report_just_after_another_node_came_may_be_of_the_one_before() -> None:
+    doubted = HELD.served_by(AGAIN, (), 10.0)
+    assert doubted.latch is Latch.UNCERTAIN
+    says = Motion(stopped=True, received=0.0)
+    early = doubted.moved(says, 10.0 + SETTLED - JUST_BEFORE, AGAIN, ())
+    assert early.latch is Latch.UNCERTAIN
+    assert doubted.moved(says, 10.0 + SETTLED, AGAIN, ()).latch is Latch.HELD
 
 
 def test_a_robot_that_stood_and_moves_for_a_second_makes_it_uncertain() -> None:
-    stood = HELD.moved(Motion(moving=False, received=5.0), 5.0, MOTOR, ())
-    begun = stood.moved(moving(6.0), 6.0, MOTOR, ())
+    begun = reported(reported(HELD, 5.0, moving=False), 6.0, moving=True)
     assert begun.latch is Latch.HELD
-    assert begun.moved(moving(6.9), 6.9, MOTOR, ()).latch is Latch.HELD
-    moved = begun.moved(moving(7.0), 7.0, MOTOR, ())
+    assert reported(begun, 6.9, moving=True).latch is Latch.HELD
+    moved = reported(begun, 7.0, moving=True)
     assert (moved.latch, moved.doubt) == (Latch.UNCERTAIN, "the robot moves")
     # What is known to disobey is told as that; what reports its stop is believed.
-    disobeying = HELD.moved(moving(5.0), 5.0, MOTOR, ()).moved(moving(7.0), 7.0, MOTOR, ())
+    disobeying = reported(reported(HELD, 5.0, moving=True), 7.0, moving=True)
     assert (disobeying.latch, disobeying.is_not_obeyed) == (Latch.HELD, True)
-    reporting = begun.moved(moving(7.0, stopped=False), 7.0, MOTOR, ())
-    assert reporting.latch is Latch.HELD
+    assert reported(begun, 7.0, moving=True, stopped=False).latch is Latch.HELD
     # A pause, or a time that is not known, begins it anew.
-    paused = begun.moved(Motion(moving=False, received=6.5), 6.5, MOTOR, ())
-    assert paused.moved(moving(7.0), 7.0, MOTOR, ()).latch is Latch.HELD
+    paused = reported(begun, 6.5, moving=False)
+    assert reported(paused, 7.0, moving=True).latch is Latch.HELD
     unknown = begun.moved(Motion(moving=True), 6.5, MOTOR, ())
-    assert unknown.moved(moving(7.2), 7.2, MOTOR, ()).latch is Latch.HELD
+    assert reported(unknown, 7.2, moving=True).latch is Latch.HELD
+
+
+def test_who_serves_it_is_asked_for_only_when_a_report_changes_something() -> None:
+    says = reported(HELD, 5.0, stopped=True)
+    for stop, stopped, needs in (
+        *((says, False, True), (says, True, False), (HELD, False, False)),
+        *((Stop(), True, True), (Stop(), False, False)),
+    ):
+        assert stop.needs_servers(Motion(stopped=stopped)) is needs
 
 
 # What follows.
 
 
 def test_the_later_stop_is_the_one_to_be_obeyed() -> None:
-    stop = HELD.answered_by(Result(StopAnswer.AWAITED), 5, 9.0, 30, MOTOR, MOTOR, ())
-    earlier = stop.answered_by(Result(StopAnswer.AWAITED), 2, 20.0, 31, MOTOR, MOTOR, ())
-    assert earlier.must_be_obeyed(9.0 + OBEYED) == 5
-    same = stop.answered_by(Result(StopAnswer.AWAITED), 5, 20.0, 31, MOTOR, MOTOR, ())
+    stop = answered(HELD, now=9.0, turn=5)
+    assert answered(stop, now=20.0, turn=2).must_be_obeyed(9.0 + OBEYED) == 5
+    same = answered(stop, now=20.0, turn=5)
     assert same.must_be_obeyed(9.0 + OBEYED) == 0
     assert same.must_be_obeyed(20.0 + OBEYED) == 5
 
 
 def test_an_answer_does_not_put_off_what_is_cancelled() -> None:
-    stop = answered(called(), StopAnswer.UNCONFIRMED, 5.0)
+    stop = answered(called(), UNCLEAR, 5.0)
     assert (StopEffect.CANCEL_OWN, 2) in stop.tick(5.0, ALL)[1]
 
 
 def test_goals_from_before_a_later_stop_are_due_with_those_of_the_one_before() -> None:
-    stop = called()
-    both = stop._replace(open=None).calling(8, 0.1, is_pressed=True)
-    assert (StopEffect.CANCEL_OWN, 8) in both.tick(CANCEL_AFTER, ALL)[1]
-    later = stop._replace(open=None).calling(8, 5.0, is_pressed=True)
+    closed = called()._replace(open=None)
+    assert (StopEffect.CANCEL_OWN, 8) in pressed(8, 0.1, closed).tick(CANCEL_AFTER, ALL)[1]
+    later = pressed(8, 5.0, closed)
     assert later.tick(5.1, ALL)[1] == []
     assert (StopEffect.CANCEL_OWN, 8) in later.tick(5.0 + CANCEL_AFTER, ALL)[1]
-    at_once = stop._replace(open=None).calling(8, CANCEL_AFTER, is_pressed=True)
-    assert at_once.tick(CANCEL_AFTER, ALL)[1] == []
+    assert pressed(8, CANCEL_AFTER, closed).tick(CANCEL_AFTER, ALL)[1] == []
 
 
 # A STOP is held by nobody only once every node that can hold it has ended in this process.
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.
+RUNS, ENDED = ["motor"], list[str]()  # The nodes of this process whose code may still run.
 
 
-class Nodes:
-    """A STOP that holds, and the nodes that serve it.
-
-    Attributes:
-        stop: The state of the machine.
-        unended: The nodes of this process whose code may still run.
-    """
-
-    def __init__(self, **served: bytes | set[bytes]) -> None:
-        self.unended = ["motor"]
-        self.stop = Stop()
-        self._turns = itertools.count(1)
-        self.confirm(**served)
-
-    def confirm(self, **served: bytes | set[bytes]) -> None:
-        """All nodes that serve STOP say yes to a call."""
-        turn, servers = next(self._turns), _servers(served)
-        called = self.stop.calling(turn, 0.0, is_pressed=True).leaving(next(self._turns), servers)
-        yes = Result(StopAnswer.AWAITED)
-        self.stop = called.answered_by(
-            yes, turn, 0.0, next(self._turns), servers, servers, self.unended
-        )
-
-    def move(self, motion: Motion, **served: bytes | set[bytes]) -> None:
-        self.stop = self.stop.moved(motion, 9.0, _servers(served), self.unended)
-
-    def look(self, **served: bytes | set[bytes]) -> bool:
-        """Return whether nobody holds the STOP once these nodes serve it."""
-        self.stop = self.stop.served_by(_servers(served), self.unended, 9.0)
-        return self.stop.is_held_by_nobody
+def serving(**served: bytes) -> Servers:
+    """Nodes by their names; each byte is the id of one."""
+    return frozenset((node, frozenset({bytes([n]) for n in ids})) for node, ids in served.items())
 
 
-def _servers(served: Mapping[str, bytes | set[bytes]]) -> Servers:
-    return frozenset(
-        (node, frozenset(ids if isinstance(ids, set) else {ids})) for node, ids in served.items()
-    )
+def held_by(stop: Stop, here: list[str], **served: bytes) -> Stop:
+    """All nodes that serve STOP say yes to a call."""
+    servers = serving(**served)
+    called = pressed(2, 0.0, stop).leaving(3, servers)
+    return answered(called, asked=servers, servers=servers, here=here)
 
 
-def test_one_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
-    nodes = Nodes(motor=HERE)
-    nodes.unended = []
-    assert not nodes.look(motor=HERE)  # It is still on the graph.
-    assert nodes.look()
-
-
-def test_a_last_report_of_nodes_that_have_ended_does_not_put_them_elsewhere() -> None:
-    nodes = Nodes(motor=HERE)
-    nodes.unended = []
-    assert nodes.look()
-    nodes.move(Motion(stopped=True))
-    assert nodes.look()
-
-
-def test_one_whose_node_has_ended_and_that_was_released_elsewhere_is_uncertain() -> None:
-    nodes = Nodes(motor=HERE)
-    nodes.move(Motion(stopped=True))  # A robot that reports its stops.
-    nodes.unended = []
-    assert nodes.look()
-    nodes.stop = nodes.stop.released_elsewhere("other", 9, 9.0)
-    assert nodes.stop.latch is Latch.UNCERTAIN
-    assert nodes.look()
-
-
-def test_what_moves_behind_a_release_is_not_said_to_disobey() -> None:
-    nodes = Nodes(motor=HERE)
-    nodes.move(Motion(moving=True, received=5.0))
-    assert nodes.stop.is_not_obeyed
-    nodes.stop = nodes.stop.release_accepted(9, 9.0, 10)
-    assert not nodes.stop.is_not_obeyed
-
-
-def test_one_whose_node_has_left_but_is_not_ended_is_held() -> None:
-    nodes = Nodes(motor=HERE)
-    assert not nodes.look()  # Its program is suspended: it returns, and holds the STOP.
-    assert not nodes.look(motor=HERE)
-    nodes.unended = []
-    assert nodes.look()
+@pytest.mark.parametrize(
+    ("holder", "looks"),
+    [
+        # Its node ran here and has ended, also on the graph.
+        (HERE, [(ENDED, {"motor": HERE}, False), (ENDED, {}, True)]),
+        # It left, but is not ended: its program is suspended, returns, and holds the STOP.
+        (HERE, [(RUNS, {}, False), (RUNS, {"motor": HERE}, False), (ENDED, {}, True)]),
+        (HERE + NAMESAKE, [(ENDED, {}, False)]),  # Two nodes of one name.
+        (  # A node elsewhere may have got it since.
+            HERE,
+            [
+                (RUNS, {"motor": HERE, "other": ELSEWHERE}, False),
+                (ENDED, {"other": ELSEWHERE}, False),
+                (ENDED, {}, False),
+            ],
+        ),
+    ],
+)
+def test_it_is_held_by_nobody_once_all_that_can_hold_it_have_ended_here(
+    holder: bytes, looks: Any
+) -> None:
+    stop = held_by(Stop(), RUNS, motor=holder)
+    for here, served, is_held_by_nobody in looks:
+        stop = stop.served_by(serving(**served), here, 9.0)
+        assert stop.is_held_by_nobody is is_held_by_nobody
 
 
 def test_one_of_an_ended_nodes_namesake_elsewhere_is_held() -> None:
-    nodes = Nodes(motor=HERE)
-    nodes.unended = []
-    nodes.confirm(motor=ELSEWHERE)
-    assert not nodes.look()
-
-
-def test_one_of_two_nodes_of_one_name_is_held() -> None:
-    nodes = Nodes(motor={HERE, NAMESAKE})
-    nodes.unended = []
-    assert not nodes.look()
-
-
-def test_one_that_a_node_elsewhere_may_have_got_since_is_held() -> None:
-    nodes = Nodes(motor=HERE)
-    assert not nodes.look(motor=HERE, other=ELSEWHERE)
-    nodes.unended = []
-    assert not nodes.look(other=ELSEWHERE)
-    assert not nodes.look()
+    stop = held_by(held_by(Stop(), RUNS, motor=HERE), ENDED, motor=ELSEWHERE)
+    assert not stop.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
 
 
 def test_one_of_a_node_started_anew_here_is_held_by_nobody_at_its_end() -> None:
-    nodes = Nodes(motor=HERE)
-    assert not nodes.look(motor=NAMESAKE)
-    nodes.stop = nodes.stop.carried_out_early("motor")
-    assert not nodes.look(motor=NAMESAKE)
-    nodes.unended = []
-    assert nodes.look()
+    again = serving(motor=NAMESAKE)
+    stop = held_by(Stop(), RUNS, motor=HERE).served_by(again, RUNS, 9.0)
+    stop = stop.carried_out_early("motor").served_by(again, RUNS, 9.0)
+    assert not stop.is_held_by_nobody
+    assert stop.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
+
+
+def test_a_last_report_or_anothers_release_does_not_put_ended_nodes_elsewhere() -> None:
+    stop, says = held_by(Stop(), RUNS, motor=HERE), Motion(stopped=True)
+    ended = stop.served_by(NOBODY, ENDED, 9.0).moved(says, 9.0, NOBODY, ENDED)
+    assert ended.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
+    reporting = stop.moved(says, 9.0, NOBODY, RUNS).served_by(NOBODY, ENDED, 9.0)
+    released = reporting.released_elsewhere("other", 9, 9.0)
+    assert released.latch is Latch.UNCERTAIN
+    assert released.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody

@@ -10,11 +10,11 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.snapshot import Latch
 from tests.support.plain import operated
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
+from tests.support.stand_in import Made
 
 FILE = """
 version: 1
@@ -26,10 +26,12 @@ stop: {service: e_stop, request: {data: true}, release: e_stop, release_request:
 class Base(Node):
     """Stops when it is sent true, and goes on when it is sent false."""
 
+    KIND: Any = SetBool
+
     def __init__(self, **options: Any) -> None:
         super().__init__("base", **options)
         self.asked: list[bool] = []
-        self.create_service(SetBool, "e_stop", self.e_stop)
+        self.create_service(self.KIND, "e_stop", self.e_stop)
 
     def e_stop(self, request: Any, response: Any) -> Any:
         self.asked.append(request.data)
@@ -44,22 +46,18 @@ def file(here: Path) -> Path:
     return made
 
 
-def latch_of(it: Robot) -> Latch:
-    return it.snapshot.latch
-
-
 async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
-    made: list[Base] = []
-    async with robot(making(made, Base), robot=file, offers="e_stop") as it:
+    base = Made(Base)
+    async with robot(base, robot=file, offers="e_stop") as it:
         it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome.ok
-        assert made[0].asked == [True]
+        assert base.node.asked == [True]
         assert it.snapshot.open_stop is None
-        assert latch_of(it) is Latch.HELD
+        await until(lambda: it.snapshot.latch is Latch.HELD)
         assert (await ended(it.release_emergency_stop())).ok
-        assert made[0].asked == [True, False]
-        assert latch_of(it) is Latch.NONE
+        assert base.node.asked == [True, False]
+        assert it.snapshot.latch is Latch.NONE
 
 
 async def test_the_ros2_commands_hold_the_request(file: Path) -> None:
@@ -73,33 +71,25 @@ async def test_the_ros2_commands_hold_the_request(file: Path) -> None:
 
 
 async def test_the_line_of_a_call_is_the_stop_or_asks_as_the_release_does(file: Path) -> None:
-    made: list[Base] = []
-    async with operated(making(made, Base), robot=file) as person:
+    base = Made(Base)
+    async with operated(base, robot=file) as person:
         person.type("call e_stop data=true\n")
         await person.until("STOP: confirmed")
         person.type("call e_stop\n")
         await person.until("/e_stop needs data=true (stop) or data=false (release)")
         person.type("call e_stop data=false\n")
         await person.until("failed: call: Release the stop?")
-        assert made[0].asked == [True]
+        assert base.node.asked == [True]
         person.type("call e_stop data=false --yes\n")
         await person.until("release stop: released")
-        assert made[0].asked == [True, False]
+        assert base.node.asked == [True, False]
         await person.end("")
 
 
-class Bare(Node):
+class Bare(Base):
     """Has the service, and its request no field."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__("bare", **options)
-        self.asked = 0
-        self.create_service(Trigger, "e_stop", self.e_stop)
-
-    def e_stop(self, request: Any, response: Any) -> Any:
-        self.asked += 1
-        response.success = True
-        return response
+    KIND = Trigger
 
 
 @pytest.mark.parametrize(
@@ -116,15 +106,15 @@ async def test_a_request_that_does_not_fit_is_said_and_not_sent(
 ) -> None:
     file = here / "robot.yaml"
     file.write_text(file_text)
-    made: list[Any] = []
-    async with robot(making(made, kind), robot=file) as it:
+    base = Made(kind)
+    async with robot(base, robot=file) as it:
         await until(lambda: said in it.snapshot.faults.get("e_stop", ""))
         it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome.code is Code.REFUSED
         assert said in outcome.text
         assert outcome.text.endswith("use the hardware stop")
-        assert not made[0].asked
+        assert not base.node.asked
 
 
 async def test_a_node_that_starts_behind_a_stop_is_sent_its_request_first(file: Path) -> None:

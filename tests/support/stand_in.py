@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from archo_interfaces.action import MoveToShelf
@@ -25,7 +26,7 @@ class Made(Generic[N]):
 
     node: N
 
-    def __init__(self, kind: Any, *given: Any, **fixed: Any) -> None:
+    def __init__(self, kind: Callable[..., N], *given: Any, **fixed: Any) -> None:
         self._kind, self._given, self._fixed = kind, given, fixed
 
     def __call__(self, **options: Any) -> N:
@@ -94,7 +95,8 @@ class StandIn(Node):
 
     def wake(self) -> None:
         """Have what waits answered."""
-        begin(self, lambda: self.awake.done() or self.awake.set_result(True))
+        if not self.awake.done():
+            begin(self, lambda: self.awake.set_result(True))
 
     def leave(self) -> None:
         """Leave the graph, as the death of its process does."""
