@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -72,25 +72,6 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
         assert phases(goal, now, motion=Motion(received=now, period=0.2)) == [phase]
 
 
-def test_after_its_first_feedback_it_may_be_silent_for_15_s() -> None:
-    goal = fed(accepted(), NOW)
-    assert phases(goal, NOW + 15.0, NOW + 15.1) == [Phase.MOVING, Phase.LOST]
-
-
-def test_without_feedback_and_motion_its_server_alone_decides() -> None:
-    assert phases(accepted(), NOW + 100.0) == [Phase.MOVING]
-
-
-def test_a_goal_that_is_being_cancelled_may_send_no_feedback_for_15_s() -> None:
-    goal = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4).cancelling(NOW + 1.0)
-    assert phases(goal, NOW + 15.9, NOW + 16.1) == [Phase.CANCELLING, Phase.LOST]
-
-
-def test_a_parameter_that_is_its_period_counts_at_once() -> None:
-    goal = fed(accepted(), NOW, NOW + 0.5, NOW + 1.0).period_changed(0.5, 5.0)
-    assert phases(goal, NOW + 15.9, NOW + 16.1) == [Phase.MOVING, Phase.LOST]
-
-
 def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
     goal, resumed = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4), NOW + 60.0
     for passed, phase in ((0.0, Phase.MOVING), (2.9, Phase.MOVING), (3.1, Phase.LOST)):
@@ -98,55 +79,57 @@ def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
         assert after.goal.phase is phase
 
 
-def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> None:
-    motion = Motion(received=NOW, period=0.2)
-    seen = phases(fed(accepted(), NOW), NOW + 3.0, NOW + 3.1, motion=motion)
-    assert seen == [Phase.MOVING, Phase.LOST]
+QUICK = (NOW, NOW + 0.2, NOW + 0.4)
 
 
-def test_a_robot_whose_motion_is_slow_is_silent_after_three_of_its_periods() -> None:
-    motion = Motion(received=NOW, period=2.0)
-    seen = phases(accepted(), NOW + 5.9, NOW + 6.1, motion=motion)
-    assert seen == [Phase.MOVING, Phase.LOST]
-    lost = accepted().tick(NOW + 6.1, motion, NEVER, is_served=True).goal
-    assert lost.lost == NOW + 6.1
+@pytest.mark.parametrize(
+    ("goal", "motion", "longest"),
+    [
+        (fed(accepted(), NOW), Motion(), 15.0),  # After its first feedback.
+        (fed(accepted(), *QUICK).cancelling(NOW + 1.0), Motion(), 16.0),  # It may send none then.
+        (fed(accepted(), NOW, NOW + 0.5, NOW + 1.0).period_changed(0.5, 5.0), Motion(), 16.0),
+        # The robot is silent, too, after three of its periods.
+        (fed(accepted(), NOW), Motion(received=NOW, period=0.2), 3.0),
+        (accepted(), Motion(received=NOW, period=2.0), 6.0),
+    ],
+    ids=["first feedback", "cancelled", "parameter", "robot silent", "slow robot"],
+)
+def test_a_silence_is_judged_by_what_is_known(
+    goal: TrackedGoal, motion: Motion, longest: float
+) -> None:
+    before, lost = phases(goal, NOW + longest - 0.1, NOW + longest + 0.1, motion=motion)
+    assert (before, lost) == (goal.goal.phase, Phase.LOST)
+    after = goal.tick(NOW + longest + 0.1, motion, NEVER, is_served=True).goal
+    assert after.lost == NOW + longest + 0.1
+
+
+def test_without_feedback_and_motion_its_server_alone_decides() -> None:
+    assert phases(accepted(), NOW + 100.0) == [Phase.MOVING]
     assert accepted().fire(Event.CANCEL, NOW + 1.0).goal.lost is None
 
 
 @pytest.mark.parametrize(
-    ("phase", "code", "words"),
+    ("phase", "changes", "code", "words"),
     [
-        (None, None, ""),
-        (Phase.MOVING, Code.REFUSED, "a goal is already running: cancel it first"),
-        (Phase.CANCELLING, Code.REFUSED, "a goal is already running: cancel it first"),
-        (Phase.UNKNOWN, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
-        (Phase.LOST, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
+        (None, {}, None, ""),
+        (Phase.MOVING, {}, Code.REFUSED, "a goal is already running: cancel it first"),
+        (Phase.CANCELLING, {}, Code.REFUSED, "a goal is already running: cancel it first"),
+        (Phase.UNKNOWN, {}, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
+        (Phase.LOST, {}, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
+        (None, {"is_called_off": True}, Code.CANCELLED, NEVER_LEFT),
+        (None, {"is_served": False}, Code.NOT_OFFERED, "move_to_shelf is not offered by any node"),
+        (None, {"has_ended": True}, Code.CANCELLED, "not sent: the console ends"),
     ],
 )
-def test_a_goal_beside_another_one_of_ours_is_not_sent(
-    phase: Phase | None, code: Code | None, words: str
+def test_a_goal_is_not_sent_beside_ours_to_nobody_or_once_it_is_not_wanted(
+    phase: Phase | None, changes: dict[str, bool], code: Code | None, words: str
 ) -> None:
-    ours = None if phase is None else sent().goal._replace(phase=phase)
-    found = refusal(sent(), ours, is_served=True, has_ended=False)
+    facts = {"is_called_off": False, "is_served": True, "has_ended": False, **changes}
+    goal = sent().called_off() if facts.pop("is_called_off") else sent()
+    ours = None if phase is None else goal.goal._replace(phase=phase)
+    found = refusal(goal, ours, **facts)
     assert (None if found is None else found.code) is code
-    assert found is None or found.text.startswith(words)
-
-
-@pytest.mark.parametrize(
-    ("is_called_off", "is_served", "code", "words"),
-    [
-        (True, True, Code.CANCELLED, NEVER_LEFT),
-        (False, False, Code.NOT_OFFERED, "/move_to_shelf is not offered by any node"),
-        (False, True, Code.CANCELLED, "not sent: the console ends"),
-    ],
-)
-def test_a_goal_is_not_sent_to_nobody_or_once_it_is_not_wanted(
-    is_called_off: bool, is_served: bool, code: Code, words: str
-) -> None:
-    goal = sent().called_off() if is_called_off else sent()
-    found = refusal(goal, None, is_served=is_served, has_ended=True)
-    assert found is not None
-    assert (found.code, found.text.lstrip("/")) == (code, words.lstrip("/"))
+    assert found is None or found.text.lstrip("/").startswith(words)
 
 
 def test_without_a_server_it_is_gone_after_a_second_without_news() -> None:
@@ -482,19 +465,12 @@ def test_a_status_tells_of_a_cancel_by_another_client() -> None:
 # What is asked, and when.
 
 
-def test_its_server_is_asked_about_it_after_5_s_without_news() -> None:
+def test_its_server_is_asked_about_it_after_5_s_without_news_and_each_2_s_in_doubt() -> None:
     assert asks(accepted(), NOW + 5.0, NOW + 5.1) == [False, True]
     assert asks(fed(accepted(), NOW + 1.0), NOW + 6.0, NOW + 6.1) == [False, True]
-    asked = accepted().ask(NOW + 1.0)
-    assert asks(asked, NOW + 6.0, NOW + 6.1) == [False, True]
-
-
-@pytest.mark.parametrize("doubtful", [unknown, lost])
-def test_a_doubtful_goal_is_asked_about_every_2_s(doubtful: Callable[[], TrackedGoal]) -> None:
-    assert asks(doubtful().ask(NOW + 1.0), NOW + 3.0, NOW + 3.1) == [False, True]
-
-
-def test_a_goal_without_an_answer_or_a_server_is_not_asked_about() -> None:
+    assert asks(accepted().ask(NOW + 1.0), NOW + 6.0, NOW + 6.1) == [False, True]
+    for doubtful in (unknown(), lost()):
+        assert asks(doubtful.ask(NOW + 1.0), NOW + 3.0, NOW + 3.1) == [False, True]
     assert asks(sent(), NOW + 60.0) == [False]
     assert asks(accepted(), NOW + 60.0, is_served=False) == [False]
 
@@ -505,27 +481,17 @@ def test_a_goal_whose_robot_is_heard_again_is_asked_about_at_once() -> None:
     assert accepted().robot_heard(NOW) == accepted()
 
 
-# Goals of others, and those that return.
-
-
 # Its feedback.
 
 
-@pytest.mark.parametrize("left", [0.0, 0.5, 1e6])
-def test_a_remainder_up_to_1000_km_is_a_reading_and_the_way(left: float) -> None:
-    feedback = SimpleNamespace(distance_remaining=left)
-    changes = feedback_changes(GOAL, feedback, NOW)
-    assert (changes["remaining"], changes["length"]) == (left, left)
-
-
-@pytest.mark.parametrize(("value", "shown"), [(1e6 + 0.5, "1e+06"), (-0.5, "-0.5"), ("far", "far")])
-def test_any_other_remainder_is_shown_as_it_came(value: object, shown: str) -> None:
-    feedback = SimpleNamespace(distance_remaining=value)
-    assert feedback_changes(GOAL, feedback, NOW) == {"unreadable": shown}
-
-
-def test_without_a_named_remainder_the_whole_feedback_is_shown() -> None:
-    feedback = MoveToShelf.Feedback(distance_remaining=1.5)
+def test_a_remainder_up_to_1000_km_is_a_reading_and_any_other_is_shown_as_it_came() -> None:
+    for left in (0.0, 0.5, 1e6):
+        changes = feedback_changes(GOAL, SimpleNamespace(distance_remaining=left), NOW)
+        assert (changes["remaining"], changes["length"]) == (left, left)
+    for value, shown in ((1e6 + 0.5, "1e+06"), (-0.5, "-0.5"), ("far", "far")):
+        changes = feedback_changes(GOAL, SimpleNamespace(distance_remaining=value), NOW)
+        assert changes == {"unreadable": shown}
+    feedback = MoveToShelf.Feedback(distance_remaining=1.5)  # Without a named remainder.
     changes = feedback_changes(GOAL._replace(kind=PLAIN), feedback, NOW)
     assert changes == {"feedback": "distance_remaining 1.5"}
 
