@@ -31,7 +31,7 @@ def test_every_promise_holds_in_every_state(exploring: Any, name: str) -> None:
     assert found.broken == "", found.way
 
 
-def test_every_promise_holds_in_every_state_of_a_goal_and_every_event_is_met_in_each(
+def test_every_promise_holds_in_every_state_of_a_goal(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fire, cells = TrackedGoal.fire, set[Any]()

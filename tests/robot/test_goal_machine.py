@@ -121,7 +121,7 @@ def test_without_feedback_and_motion_its_server_alone_decides() -> None:
         (None, {"has_ended": True}, Code.CANCELLED, "not sent: the console ends"),
     ],
 )
-def test_a_goal_is_not_sent_beside_ours_to_nobody_or_once_it_is_not_wanted(
+def test_a_goal_is_not_sent_beside_ours_to_nobody_or_unwanted(
     phase: Phase | None, changes: dict[str, bool], code: Code | None, words: str
 ) -> None:
     facts = {"is_called_off": False, "is_served": True, "has_ended": False, **changes}
@@ -465,7 +465,7 @@ def test_a_status_tells_of_a_cancel_by_another_client() -> None:
 # What is asked, and when.
 
 
-def test_its_server_is_asked_about_it_after_5_s_without_news_and_each_2_s_in_doubt() -> None:
+def test_its_server_is_asked_about_it_without_news_or_in_doubt() -> None:
     assert asks(accepted(), NOW + 5.0, NOW + 5.1) == [False, True]
     assert asks(fed(accepted(), NOW + 1.0), NOW + 6.0, NOW + 6.1) == [False, True]
     assert asks(accepted().ask(NOW + 1.0), NOW + 6.0, NOW + 6.1) == [False, True]
@@ -484,7 +484,7 @@ def test_a_goal_whose_robot_is_heard_again_is_asked_about_at_once() -> None:
 # Its feedback.
 
 
-def test_a_remainder_up_to_1000_km_is_a_reading_and_any_other_is_shown_as_it_came() -> None:
+def test_a_remainder_is_a_reading_up_to_1000_km_or_shown_as_it_came() -> None:
     for left in (0.0, 0.5, 1e6):
         changes = feedback_changes(GOAL, SimpleNamespace(distance_remaining=left), NOW)
         assert (changes["remaining"], changes["length"]) == (left, left)

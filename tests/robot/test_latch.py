@@ -203,31 +203,6 @@ async def test_one_that_cannot_take_it_is_no_longer_certain() -> None:
         assert f"failed: start: /motor_controller started; {why}" in person.said
 
 
-@pytest.mark.real_time
-async def test_a_file_that_is_saved_behind_a_stop_waits_for_a_key(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # It is another process there.
-    import archo_bringup.motor_controller as own
-
-    motor = here / "motor.py"
-    motor.write_text(Path(own.__file__).read_text())
-    async with operated(node_files=[motor], ros_args=FAST) as person:
-        await person.until("motor_params.yaml is for ARCHO's own node")
-        station = person._plain._station
-        await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
-        person.type("stop\n")
-        await person.until("alarm unacknowledged: STOPPED")
-        (hosted,) = station.host.programs
-        await asyncio.to_thread(station.host.reload, hosted.file)
-        await person.until("motor.py was saved, and is not started behind a STOP")
-        person.type("go 12\n")
-        await person.until("failed: go: emergency stop: release it first")
-        assert station.host.programs == [hosted]  # It runs on as it was.
-        person.type("halt motor_controller --yes\nstart motor_controller\n")
-        await person.until("failed: start: /motor_controller is not started behind a STOP")
-
-
 @pytest.mark.parametrize("last", ["", "halt motor_controller --yes\nstart motor_controller\n"])
 async def test_a_release_is_judged_by_what_was_confirmed_and_never_waits(
     last: str,
