@@ -70,7 +70,8 @@ class Talker(Node):
 
     def change_qos(self) -> None:
         """Replace the publisher of `fast`."""
-        before, self.fast = self.fast, self.create_publisher(Float32, "fast", 5)
+        before = self.fast
+        self.fast = self.create_publisher(Float32, "fast", qos_profile_sensor_data)
         self.destroy_publisher(before)
 
 
