@@ -106,7 +106,7 @@ async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
         acts = {name for name, verb in watcher.app.verbs.items() if verb.acts}
         # STOP is another command here, and of what dialogs show nothing acts.
         shown = [c.id for c in registry(ARCHO) if acts & {*c.verbs} and c.id in there]
-        assert shown == ["stop", "diagnostics", "resource", "details"]
+        assert shown == ["stop", "diagnostics", "details"]
         await watcher.press("R")
         assert "REPLAY: release was not sent: press q to leave the replay." in watcher.text
         await watcher.press("ctrl+p", *"reset")
