@@ -163,7 +163,7 @@ def test_a_queue_that_is_held_on_is_told_once() -> None:
     assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
 
 
-def test_behind_a_goal_that_a_stop_is_to_end_the_next_is_held_at_once() -> None:
+def test_behind_a_goal_that_a_stop_ends_the_next_is_held() -> None:
     driving = Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING))
     waiting, _ = look(queue(), driving)
     assert waiting.submit([target(7)], driving, is_stopped=True).hold_reason == "STOP"
