@@ -11,13 +11,12 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
 from functools import partial
-from types import ModuleType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
-from archo_tui.robot.stop import machine as the_machine
-from tests.robot.exploring import Found, breadth_first, changed, module_of, promise
+from archo_tui.robot.stop import machine
+from tests.robot.exploring import Found, breadth_first, changed, promise
 
 STEP = 0.5  # Seconds between two ticks of this world.
 _OLDEST = -1.0  # Ages beyond it are the same to every rule.
@@ -59,7 +58,7 @@ class World(NamedTuple):
 
     servers: tuple[Server, ...]
     stop: Any  # machine.Stop
-    reports: str  # "": nothing; "motion"; "stop": its motion, and whether it is stopped.
+    reports: str = ""  # Nothing; "motion"; "stop": its motion, and whether it is stopped.
     stops_left: int = 1
     releases_left: int = 0
     restarts_left: int = 0
@@ -83,11 +82,9 @@ class World(NamedTuple):
     is_last: bool = False  # A STOP is the last that the operator asked for.
 
 
-def begin(
-    servers: int = 1, *, reports: str = "", module: ModuleType = the_machine, **limits: Any
-) -> World:
-    """Return a world in which nothing has happened."""
-    return World(tuple(Server() for _ in range(servers)), module.Stop(), reports, **limits)
+def begin(servers: int = 1, **limits: Any) -> World:
+    """Return a world in which nothing has happened; `machine` may be a broken one by then."""
+    return World(tuple(Server() for _ in range(servers)), machine.Stop(), **limits)
 
 
 # What can be seen of a world.
@@ -139,17 +136,13 @@ def _call(world: World, *, is_pressed: bool = True) -> World:
     turn = next_turn(world)
     world = world._replace(stop=world.stop.calling(turn, 0.0, is_pressed=is_pressed))
     if not served(world):
-        result = _result(world, StopAnswer.NOT_SENT)
+        result = machine.Result(StopAnswer.NOT_SENT)
         return _answer(world, result, turn, served(world))
     # `calling` and `leaving` are two turns; the answer belongs to the first.
     stop = world.stop.leaving(turn + 1, served(world))
     world = _request(world._replace(stop=stop), is_stop=True)
     *earlier, last = world.requests
     return world._replace(requests=(*earlier, last._replace(turn=turn)))
-
-
-def _result(world: World, answer: StopAnswer) -> Any:
-    return module_of(world.stop).Result(answer)
 
 
 def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool = False) -> World:
@@ -199,7 +192,7 @@ def deliver(number: int, world: World) -> World:
     world = world._replace(requests=requests)
     if request.is_stop:
         answer = StopAnswer.REFUSED if "n" in request.answers else StopAnswer.AWAITED
-        result = _result(world, answer)
+        result = machine.Result(answer)
         return _answer(world, result, request.turn, request.to, is_late=request.is_over)
     stop = world.stop
     if "n" not in request.answers:
@@ -215,7 +208,7 @@ def time_out(number: int, world: World) -> World:
     world = _with_request(world, number, is_over=True)
     if not request.is_stop:
         return world
-    return _answer(world, _result(world, StopAnswer.NONE), request.turn, request.to)
+    return _answer(world, machine.Result(StopAnswer.NONE), request.turn, request.to)
 
 
 def release(world: World) -> World:
@@ -342,8 +335,7 @@ def end_goal(place: int, world: World) -> World:
 def pass_time(world: World) -> World:
     """Half a second passes; then the machine ticks, and what it asks for is done."""
     world = world._replace(stop=_older(world.stop), passed=min(world.passed + 1, 1))
-    module = module_of(world.stop)
-    facts = module.Facts(runs(world), True, bool(served(world)))
+    facts = machine.Facts(runs(world), True, bool(served(world)))
     stop, todo = world.stop.tick(0.0, facts)
     world = world._replace(stop=stop)
     if world.publishes is not None:
@@ -351,12 +343,12 @@ def pass_time(world: World) -> World:
         if not stop.lets_publish(is_void=is_void):
             world = world._replace(publishes=None)
     for what, turn in todo:
-        if what is module.StopEffect.SEND:
+        if what is machine.StopEffect.SEND:
             promise(stop.open is not None, "only an open STOP is sent again")
             promise(not stop.awaited, "never two calls at once")
             if world.sends_left:
                 world = _call(world._replace(sends_left=world.sends_left - 1), is_pressed=False)
-        elif what is module.StopEffect.CANCEL_OWN:
+        elif what is machine.StopEffect.CANCEL_OWN:
             for place, goal in enumerate(world.goals):
                 if goal.phase == "moving" and goal.turn < turn:
                     world = _with_goal(world, place, is_asked=True)
@@ -524,15 +516,14 @@ def check(world: World) -> None:
 
 def _is_sent_again(world: World) -> bool:
     """Return True if within some ticks the open STOP is sent, if it can be."""
-    module = module_of(world.stop)
     stop = world.stop
     if stop.awaited or not served(world):
         return True
-    facts = module.Facts(True, True, True)
+    facts = machine.Facts(True, True, True)
     for _ in range(4):
         stop = _older(stop)
         stop, todo = stop.tick(0.0, facts)
-        if any(what is module.StopEffect.SEND for what, _ in todo):
+        if any(what is machine.StopEffect.SEND for what, _ in todo):
             return True
     return False
 

@@ -11,15 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from enum import Enum, auto
 from functools import partial
-from types import ModuleType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.goals import queue as the_machine
+from archo_tui.robot.goals import queue as machine
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
-from tests.robot.exploring import Found, breadth_first, changed, module_of, promise
+from tests.robot.exploring import Found, breadth_first, changed, promise
 from tests.support.archo import ARCHO, SHELF
 
 
@@ -90,11 +89,9 @@ class World(NamedTuple):
     cancelling: tuple[int, ...] = ()  # Goals whose requester is gone, by number.
 
 
-def begin(
-    lists: tuple[tuple[Client, int], ...], *, module: ModuleType = the_machine, **limits: Any
-) -> World:
-    """Return a world in which nothing has happened."""
-    return World(module.GoalQueue(), lists, **limits)
+def begin(lists: tuple[tuple[Client, int], ...], **limits: Any) -> World:
+    """Return a world in which nothing has happened; `machine` may be a broken one by then."""
+    return World(machine.GoalQueue(), lists, **limits)
 
 
 def shown(world: World) -> Snapshot:
@@ -112,7 +109,6 @@ def shown(world: World) -> Snapshot:
 
 def done(world: World, queue: Any) -> World:
     """Take the next state of the queue, and do what it says."""
-    module = module_of(queue)
     todo, queue = queue.todo, queue._replace(todo=())
     before = world.queue.hold_reason
     if before and queue.hold_reason and before != queue.hold_reason:
@@ -120,10 +116,10 @@ def done(world: World, queue: Any) -> World:
         promise(is_known, "a queue that is held keeps its reason")
     world = world._replace(queue=queue)
     for deed in todo:
-        if deed.do is module.QueueEffect.NOTE:
+        if deed.do is machine.QueueEffect.NOTE:
             continue
         number = deed.goal.number
-        if deed.do is module.QueueEffect.SEND:
+        if deed.do is machine.QueueEffect.SEND:
             promise(number not in world.sent or number in _put_back(world), "a goal is sent once")
             running = [sent for sent in world.robot if sent.mine and _runs(sent)]
             promise(not running, "no goal is sent while another one of ours runs")
@@ -133,13 +129,13 @@ def done(world: World, queue: Any) -> World:
                 promise(not queue.hold_reason, "a held queue sends nothing")
                 promise(not world.must_ask, "only the operator continues")
             world = world._replace(sent=(*world.sent, number))
-        elif deed.do is module.QueueEffect.ANSWER:
+        elif deed.do is machine.QueueEffect.ANSWER:
             world = world._replace(answered=(*world.answered, number))
             if not deed.outcome.ok:
                 world = world._replace(must_ask=bool(queue.waiting))
-        elif deed.do is module.QueueEffect.CANCEL:
+        elif deed.do is machine.QueueEffect.CANCEL:
             world = world._replace(cancelling=(*world.cancelling, number))
-        elif deed.do is module.QueueEffect.SETTLE and deed.outcome.code is not Code.HELD:
+        elif deed.do is machine.QueueEffect.SETTLE and deed.outcome.code is not Code.HELD:
             promise(number not in world.settled, "a goal has one outcome")
             world = world._replace(settled=(*world.settled, number))
     return world if queue.waiting else world._replace(must_ask=False)
@@ -157,8 +153,7 @@ def _runs(sent: Sent) -> bool:
 
 def look(world: World) -> World:
     alarms = frozenset({"low battery"} if world.has_alarm else ())
-    module = module_of(world.queue)
-    holding = module.Holding("low battery" if world.has_alarm else "", alarms)
+    holding = machine.Holding("low battery" if world.has_alarm else "", alarms)
     return done(world, world.queue.seen(shown(world), 0.0, world.stops, holding))
 
 
@@ -167,10 +162,9 @@ def look(world: World) -> World:
 
 def type_list(world: World) -> World:
     (client, length), *rest = world.to_type
-    module = module_of(world.queue)
     number = world.queue.submitted + 1
     goals: list[Any] = [
-        module.QueuedGoal(SHELF, {"shelf_number": number + place}, world.stops, client)
+        machine.QueuedGoal(SHELF, {"shelf_number": number + place}, world.stops, client)
         for place in range(length)
     ]
     typed = tuple((number + place, number, client) for place in range(length))
@@ -277,12 +271,12 @@ def end_screen(world: World) -> World:
 
 def restart(world: World) -> World:
     """The console starts again: what waits is taken along, but for that of a waiting client."""
-    before, module = world.queue, module_of(world.queue)
+    before = world.queue
     kept = [goal for goal in before.waiting if not goal.requester.waits]
     gone = [goal.number for goal in before.waiting if goal.requester.waits]
     gone += [goal.number for goal, _ in before.underway]
     # Numbers begin anew; this world goes on with them.
-    queue = module.GoalQueue(submitted=before.submitted, ended=before.ended)
+    queue = machine.GoalQueue(submitted=before.submitted, ended=before.ended)
     typed = [entry for entry in world.typed if entry[0] not in [goal.number for goal in kept]]
     first = before.submitted + 1
     typed += [(first + place, first + place, YOU) for place in range(len(kept))]

@@ -40,11 +40,6 @@ class Found(NamedTuple):
     way: tuple[str, ...]  # The shortest way to it.
 
 
-def module_of(machine: object) -> Any:
-    """Return the module of a machine, which may be a broken one."""
-    return sys.modules[type(machine).__module__]
-
-
 def changed(items: tuple[Any, ...], place: int, **changes: Any) -> tuple[Any, ...]:
     """Return named tuples of which the one at a place is changed."""
     return (*items[:place], items[place]._replace(**changes), *items[place + 1 :])
