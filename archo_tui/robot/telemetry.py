@@ -17,7 +17,7 @@ from archo_tui.robot.messages.period import LEAST_SILENCE, Period
 from archo_tui.robot.messages.types import field_paths, load_class
 from archo_tui.robot.messages.values import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.node import ConsoleNode
-from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot.state.graph import node_of
 from archo_tui.robot.state.readings import (
     WORST_FIRST,
     Battery,
@@ -197,9 +197,7 @@ class Telemetry:
         self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
     ) -> str | None:
         """Return the first published type that a reader can read; None if there is none."""
-        self._publishers[reader.key] = frozenset(
-            in_namespace(info.node_namespace, info.node_name) for info in publishers
-        )
+        self._publishers[reader.key] = frozenset(map(node_of, publishers))
         self._endpoints[reader.key] = frozenset(bytes(info.endpoint_gid) for info in publishers)
         if not publishers:
             self._graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.

@@ -124,12 +124,13 @@ async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
         await until(lambda: it.snapshot.motion.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         await while_passes(3.0)
-        dazed.node.wake()  # what was sent before is answered, too
+        dazed.node.stopped = True
         await until(lambda: it.snapshot.motion.stopped)
+        dazed.node.wake()  # what was sent before is answered, too
         await while_passes(6.0)
         assert not any("another client" in text for text in texts(it))
-        ends = ("STOP, ", "STOP: the robot says")
-        assert len([text for text in texts(it) if text.startswith(ends)]) == 1, texts(it)
+        told = [text for text in texts(it) if text.startswith(("STOP, ", "STOP: the robot says"))]
+        assert told == ["STOP: the robot says that it is stopped"]
 
 
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
@@ -215,6 +216,7 @@ async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
     both = Brake("both", "yes")
     async with robot(both, offers="emergency_stop") as it:
         both.node.create_client(Empty, "emergency_stop")
+        await until(lambda: len(it.graph.services["/emergency_stop"]) == 2)
         assert (await ended(it.emergency_stop())).ok
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from archo_tui.robot.state.graph import TopicEnd, TopicInfo, in_namespace
+from archo_tui.robot.state.graph import TopicEnd, TopicInfo, node_of
 from archo_tui.ros.names import package_of
 
 # A policy with the values of a subscription and of a publisher that DDS does not match.
@@ -46,7 +46,7 @@ def topic_info(
     topic: str, publishers: Sequence[Any], subscriptions: Sequence[Any], console: str
 ) -> TopicInfo:
     """Return the publishers and subscriptions of a topic, and the pairs that do not match."""
-    shown = [end for end in subscriptions if "/_" not in _node(end) or _node(end) == console]
+    shown = [end for end in subscriptions if "/_" not in node_of(end) or node_of(end) == console]
     return TopicInfo(
         tuple(sorted(map(_end, publishers))),
         tuple(sorted(map(_end, shown))),
@@ -57,7 +57,7 @@ def topic_info(
 def _end(info: Any) -> TopicEnd:
     qos = info.qos_profile
     words = f"{qos.reliability.name}, {qos.durability.name}"
-    return TopicEnd(_node(info), info.topic_type, words)
+    return TopicEnd(node_of(info), info.topic_type, words)
 
 
 def mismatches(
@@ -71,7 +71,7 @@ def mismatches(
     found: dict[tuple[str, str, str, str], set[str]] = {}
     offered = list(publishers)
     for subscription in subscriptions:
-        node = _node(subscription)
+        node = node_of(subscription)
         is_own = node == console
         if "/_" in node and not is_own:
             continue
@@ -80,7 +80,7 @@ def mismatches(
             reason = reason or _another_version(publisher, subscription)
             if reason is not None:
                 name = _OWN if is_own else node.lstrip("/")
-                found.setdefault((name, *reason), set()).add(_node(publisher))
+                found.setdefault((name, *reason), set()).add(node_of(publisher))
     return tuple(
         sorted(
             what.format(name, ", ".join(n.lstrip("/") for n in sorted(them)), topic, reason)
@@ -132,7 +132,3 @@ def _hash(info: Any) -> str:
     """Return the first eight digits of a type's hash; "" before ROS 2 Iron, or if DDS has none."""
     version, _, digits = str(getattr(info, "topic_type_hash", "")).partition("_")
     return digits[:_SHOWN] if version.startswith("RIHS") else ""
-
-
-def _node(info: Any) -> str:
-    return in_namespace(info.node_namespace, info.node_name)

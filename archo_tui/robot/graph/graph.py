@@ -23,6 +23,7 @@ from archo_tui.robot.state.graph import (
     NodeState,
     Resource,
     in_namespace,
+    node_of,
     node_states,
 )
 from archo_tui.robot_file.model import RobotFile
@@ -142,7 +143,7 @@ class Graph:
         count = self._node.count_services
         offered = {name for name in self._services if count(name)}
         for topic in self._topics:
-            nodes = sorted(map(_node_of, self._node.get_publishers_info_by_topic(topic)))
+            nodes = sorted(map(node_of, self._node.get_publishers_info_by_topic(topic)))
             offered |= {topic} if nodes else set()
             self.publishers[topic] = tuple(nodes) or self.publishers.get(topic, ())[:1]
         for action in self._actions:
@@ -162,11 +163,11 @@ class Graph:
 
     def _record_publishers(self) -> set[str]:
         infos = self._node.get_publishers_info_by_topic(audit_records.TOPIC)
-        return {author(_node_of(info)) for info in infos}
+        return {author(node_of(info)) for info in infos}
 
     def _read_action(self, action: str) -> None:
         infos = self._node.get_publishers_info_by_topic(f"{action}/_action/feedback")
-        self.servers[action] = frozenset(_node_of(info) for info in infos)
+        self.servers[action] = frozenset(node_of(info) for info in infos)
         self.action_types[action] = _action_types(infos)
 
     def _read_services(self) -> None:
@@ -213,7 +214,7 @@ class Graph:
         """
         ids = defaultdict[str, set[bytes]](set)
         for info in self._node.get_publishers_info_by_topic("/parameter_events"):
-            ids[_node_of(info)].add(bytes(info.endpoint_gid))
+            ids[node_of(info)].add(bytes(info.endpoint_gid))
         return {node: frozenset(ids[node]) for node, _ in self._servers(service)}
 
     def served_types(self, name: str) -> list[str]:
@@ -270,10 +271,6 @@ def _action_types(infos: Any) -> tuple[str, ...]:
 
 def _full(name: str, namespace: str) -> str:
     return in_namespace(namespace, name)
-
-
-def _node_of(info: Any) -> str:
-    return in_namespace(info.node_namespace, info.node_name)
 
 
 # The topics, services and actions.
@@ -438,7 +435,7 @@ class Resources:
 
     def _ask_about_topic(self, topic: str) -> _TopicEnds:
         publishers = self._node.get_publishers_info_by_topic(topic)
-        nodes = frozenset(map(_node_of, publishers))
+        nodes = frozenset(map(node_of, publishers))
         subscriptions = self._node.get_subscriptions_info_by_topic(topic) if nodes else ()
         return _TopicEnds(nodes, mismatches(topic, publishers, subscriptions, self._console))
 

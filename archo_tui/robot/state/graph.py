@@ -19,6 +19,11 @@ def in_namespace(namespace: str, name: str) -> str:
     return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
 
 
+def node_of(info: Any) -> str:
+    """Return the full name of the node of a publisher or subscription, as rclpy tells of it."""
+    return in_namespace(info.node_namespace, info.node_name)
+
+
 def logger_node(logger: str) -> str:
     """Return the full name of the node whose logger has a name such as `north.lamp`."""
     return "/" + logger.replace(".", "/")

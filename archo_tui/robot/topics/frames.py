@@ -10,7 +10,7 @@ from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.runtime import Runtime
 from archo_tui.robot.state.frames import Transforms, with_transforms
-from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot.state.graph import node_of
 from archo_tui.robot.topics.inspect import Inspection, missing_type
 
 TF_MESSAGE = "tf2_msgs/msg/TFMessage"
@@ -67,8 +67,7 @@ class FrameListener:
         except Exception as error:  # Fast DDS allows one type of a topic in a process.
             self._inspections.pop(name, None)
             self._set_fault(f"{topic}: no subscription: {in_one_line(error)}")
-        nodes = {in_namespace(end.node_namespace, end.node_name) for end in publishers}
-        return tuple(sorted(node.lstrip("/") for node in nodes))
+        return tuple(sorted(node.lstrip("/") for node in set(map(node_of, publishers))))
 
     def _inspect(self, name: str, topic: str) -> None:
         message_class = load_class(TF_MESSAGE)
