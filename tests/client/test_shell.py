@@ -21,12 +21,12 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
 from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
-from tests.robot.test_broken_stop import Driver
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
 from tests.support.robot import making
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, client, heard, raw, said, served, typed, until
+from tests.support.stand_in import Made, StandIn
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
@@ -67,12 +67,12 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
 
 
 async def test_a_goal_behind_a_stop_that_is_refused_is_said_to_be_held() -> None:
-    drivers: list[Driver] = []
-    async with served(making(drivers, Driver, "no", heeds=False)) as person:
+    driver = Made(StandIn, "driver", "no", goals="drive", moving=False, heeds=False)
+    async with served(driver) as person:
         assert (await typed("go", "12")).code == 0
         assert (await typed("stop")).code == 1
         assert await typed("go", "7") == (0, "", "queued, held: STOP\n")
-        drivers[0].heeds = True
+        driver.node.heeds = True
         await heard(person, "called back")
 
 

@@ -13,6 +13,7 @@ from enum import Enum, auto
 from functools import partial
 from typing import Any, NamedTuple
 
+from archo_tui.robot.clients import YOU, Requester
 from archo_tui.robot.goals import queue as machine
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
@@ -42,14 +43,8 @@ def stage(queue: Any, number: int) -> Stage:
     return Stage.UNDERWAY if is_underway else Stage.SETTLED
 
 
-class Client(NamedTuple):
-    """One that types goals."""
-
-    name: str
-    waits: bool = False
-
-
-YOU, SHELL = Client("you"), Client("shell", waits=True)
+SHELL = Requester("SHELL", "pid 1")
+SHELL.waits = True
 
 
 class Sent(NamedTuple):
@@ -64,7 +59,7 @@ class World(NamedTuple):
     """All there is, with the queue in it."""
 
     queue: Any  # machine.GoalQueue
-    to_type: tuple[tuple[Client, int], ...]  # Lists, by who types them and their lengths.
+    to_type: tuple[tuple[Requester, int], ...]  # Lists, by who types them and their lengths.
     stops_left: int = 0
     alarms_left: int = 0
     others_left: int = 0
@@ -83,13 +78,13 @@ class World(NamedTuple):
     sent: tuple[int, ...] = ()
     answered: tuple[int, ...] = ()
     settled: tuple[int, ...] = ()
-    typed: tuple[tuple[int, int, Client], ...] = ()  # Number, list and client of each goal.
+    typed: tuple[tuple[int, int, Requester], ...] = ()  # Number, list and client of each goal.
     lost: tuple[int, ...] = ()  # By the end of the screen, or a restart.
     refused: tuple[int, ...] = ()  # Lists whose first goal was refused.
     cancelling: tuple[int, ...] = ()  # Goals whose requester is gone, by number.
 
 
-def begin(lists: tuple[tuple[Client, int], ...], **limits: Any) -> World:
+def begin(lists: tuple[tuple[Requester, int], ...], **limits: Any) -> World:
     """Return a world in which nothing has happened; `machine` may be a broken one by then."""
     return World(machine.GoalQueue(), lists, **limits)
 
