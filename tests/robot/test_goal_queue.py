@@ -99,12 +99,6 @@ def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
         assert waiting.hold_reason == "STOP"
 
 
-def test_an_alarm_that_was_acknowledged_holds_nothing_but_a_lost_contact_does() -> None:
-    for name, sent in ((LOW_BATTERY, "7"), (CONTACT_LOST, "")):
-        seen = Alarm(name, "", 0.0, AlarmState.ACKNOWLEDGED)
-        assert look(queue(7), ARRIVED, [seen])[1] == sent
-
-
 def test_the_next_one_waits_until_the_one_before_was_seen_to_end() -> None:
     waiting, sent = look(queue(7, 3), Snapshot(file=ARCHO))  # Accepted, and not seen yet.
     assert sent == ""
@@ -133,12 +127,15 @@ def test_it_goes_on_until_all_are_driven_or_held() -> None:
     assert not look(only.answered(YES), ARRIVED)[0].is_going
 
 
-def test_an_alarm_does_not_take_the_place_of_another_reason() -> None:
+def test_an_alarm_neither_takes_the_place_of_another_reason_nor_holds_once_acknowledged() -> None:
     refused = queue(7)._replace(underway=())._hold("refused")
     held, _ = look(refused, ARRIVED, [Alarm(LOW_BATTERY, "", 0.0)])
     assert held.hold_reason == "refused"
     going, sent = look(queue(7), ARRIVED)
     assert (going.hold_reason, sent) == ("", "7")
+    for name, sent in ((LOW_BATTERY, "7"), (CONTACT_LOST, "")):  # But a lost contact does.
+        seen = Alarm(name, "", 0.0, AlarmState.ACKNOWLEDGED)
+        assert look(queue(7), ARRIVED, [seen])[1] == sent
 
 
 def test_an_alarm_that_holds_nothing_is_not_named_by_a_later_hold() -> None:
@@ -149,18 +146,14 @@ def test_an_alarm_that_holds_nothing_is_not_named_by_a_later_hold() -> None:
     assert held.hold_reason == "aborted"
 
 
-def test_a_refused_goal_from_before_a_restart_leaves_the_others_held() -> None:
-    restored = GoalQueue().restore([target(1), target(2)])
-    sent = restored.resume(0).seen(Snapshot(file=ARCHO), 0.0, 0)
-    refused = sent.hand_over().answered(Outcome(Code.REFUSED, "no"))
-    assert ([goal.text for goal in refused.waiting], refused.hold_reason) == (["2"], "refused")
-
-
 def test_a_queue_that_is_held_on_is_told_once() -> None:
-    held, _ = look(queue(7), ARRIVED._replace(motion=Motion(stopped=True)))
-    again = held.resume(0).seen(ARRIVED._replace(motion=Motion(stopped=True)), 0.0, 0)
+    stopped = ARRIVED._replace(motion=Motion(stopped=True))
+    again = look(queue(7), stopped)[0].resume(0).seen(stopped, 0.0, 0)
     assert again.hold_reason == "STOP"
     assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
+    held = GoalQueue().restore([target(1)])._replace(todo=())
+    failed = held.seen(Snapshot(goal=ended(5, Phase.ABORTED)), 0.0, 0)
+    assert (failed.hold_reason, failed.todo) == ("restart", ())
 
 
 def test_behind_a_goal_that_a_stop_ends_the_next_is_held() -> None:
@@ -196,6 +189,7 @@ SHELL.waits = True
 NOBODY = Snapshot()
 REFUSED, SILENT = Outcome(Code.REFUSED, "no"), Outcome(Code.TIMEOUT, "no answer in 5 s")
 STOPPED = Outcome(Code.HELD, "not sent")
+RESTORED = GoalQueue().restore([target(1), target(2)])
 
 
 def typed(*shelves: int, by: Requester = SHELL) -> GoalQueue:
@@ -260,17 +254,12 @@ def test_a_new_list_behind_a_held_queue_is_held_but_for_its_first() -> None:
     assert [goal.text for goal in after.waiting] == ["1", "4"]
 
 
-def test_what_is_taken_over_at_a_restart_is_held_and_none_is_sent() -> None:
-    restored = GoalQueue().restore([target(1), target(2)])
-    assert (restored.coming, restored.hold_reason) == (None, "restart")
+def test_what_is_taken_over_at_a_restart_is_held_to_its_last_goal() -> None:
+    assert (RESTORED.coming, RESTORED.hold_reason) == (None, "restart")
     held = [(QueueEffect.SETTLE, text, f"held: {text} (restart)") for text in ("1", "2")]
-    assert done(restored) == [(QueueEffect.NOTE, "", "queue held: 1, 2 (restart)"), *held]
+    assert done(RESTORED) == [(QueueEffect.NOTE, "", "queue held: 1, 2 (restart)"), *held]
     assert GoalQueue().restore([]) == GoalQueue()
-
-
-def test_a_queue_is_held_until_its_last_goal_is_left_out() -> None:
-    held = GoalQueue().restore([target(1), target(2)])
-    one = held.skip()
+    one = RESTORED.skip()
     assert (one.hold_reason, one.skip().hold_reason) == ("restart", "")
 
 
@@ -307,22 +296,13 @@ def test_a_goal_held_back_by_a_stop_waits_again_as_the_next_one() -> None:
     first, *_, last = done(after)
     assert first == (QueueEffect.NOTE, "", "queue held: 1, 2 (STOP)")
     assert last == (QueueEffect.ANSWER, "1", "not sent")
-
-
-def test_a_goal_held_back_by_a_stop_keeps_the_reason_of_its_queue() -> None:
-    held = GoalQueue().restore([target(1)])._replace(todo=())
+    held = GoalQueue().restore([target(1)])._replace(todo=())  # It keeps its reason.
     after = held.submit([target(3)], NOBODY)._replace(todo=()).hand_over().answered(STOPPED)
     told = [(QueueEffect.SETTLE, "3", "held: 3 (restart)"), (QueueEffect.ANSWER, "3", "not sent")]
     assert (done(after), after.hold_reason) == (told, "restart")
-
-
-def test_a_goal_held_back_by_a_stop_ends_if_its_requester_has_left() -> None:
     after = typed(1).hand_over().leave(SHELL).answered(STOPPED)
-    assert done(after) == [
-        (QueueEffect.SETTLE, "1", NEVER_LEFT),
-        (QueueEffect.ANSWER, "1", NEVER_LEFT),
-    ]
-    assert after.waiting == ()
+    over = [(what, "1", NEVER_LEFT) for what in (QueueEffect.SETTLE, QueueEffect.ANSWER)]
+    assert (done(after), after.waiting) == (over, ())
 
 
 def test_a_list_whose_first_goal_is_refused_is_not_driven() -> None:
@@ -339,19 +319,15 @@ def test_a_list_whose_first_goal_is_refused_is_not_driven() -> None:
     assert done(alone) == [(QueueEffect.SETTLE, "1", "no"), (QueueEffect.ANSWER, "1", "no")]
 
 
-@pytest.mark.parametrize(
-    ("outcome", "reason"),
-    [(SILENT, "no answer"), (Outcome(Code.CANCELLED, ""), "cancelled")],
-)
-def test_a_list_whose_first_goal_fails_otherwise_is_held(outcome: Outcome, reason: str) -> None:
-    after = answered(outcome, 1, 2)
-    assert ([goal.text for goal in after.waiting], after.hold_reason) == (["2"], reason)
-
-
-def test_a_refusal_of_a_later_goal_holds_those_behind_it() -> None:
+def test_a_list_is_held_by_what_fails_or_a_later_refusal() -> None:
     second = queue(7, 3).seen(ARRIVED, 0.0, 0).hand_over()
-    after = second.answered(REFUSED)
-    assert ([goal.text for goal in after.waiting], after.hold_reason) == (["3"], "refused")
+    for after, waiting, reason in (
+        (answered(SILENT, 1, 2), "2", "no answer"),
+        (answered(Outcome(Code.CANCELLED, ""), 1, 2), "2", "cancelled"),
+        (second.answered(REFUSED), "3", "refused"),
+        (RESTORED.resume(0).seen(NOBODY, 0.0, 0).hand_over().answered(REFUSED), "2", "refused"),
+    ):
+        assert ([goal.text for goal in after.waiting], after.hold_reason) == ([waiting], reason)
 
 
 @pytest.mark.parametrize(
@@ -388,9 +364,6 @@ def test_what_a_client_wanted_goes_with_it_and_what_others_want_stays() -> None:
     assert done(left) == out
     assert [goal.text for goal in left.waiting] == ["3"]
     assert both.take_out(SHELL) == left._replace(coming=both.coming)
-
-
-def test_one_that_leaves_takes_no_goal_of_another_along() -> None:
     ours = typed(1, 2, by=YOU)
     assert ours.leave(SHELL) == ours
     assert GoalQueue().leave(SHELL) == GoalQueue()
@@ -422,9 +395,3 @@ def test_a_goal_that_failed_holds_the_queue_if_it_is_ours_or_shown(
     shown = failed if is_shown else running(9, mine=False)
     after = queue(7).seen(Snapshot(goal=shown, history=(failed,)), 0.0, 0)
     assert after.hold_reason == reason
-
-
-def test_a_queue_that_is_held_is_not_told_so_again() -> None:
-    held = GoalQueue().restore([target(1)])._replace(todo=())
-    failed = held.seen(Snapshot(goal=ended(5, Phase.ABORTED)), 0.0, 0)
-    assert (failed.hold_reason, failed.todo) == ("restart", ())
