@@ -15,6 +15,7 @@ import pytest
 
 from archo_tui import __version__
 from archo_tui.cli import main
+from archo_tui.cli.graph import domains_text
 from archo_tui.cli.options import split_ros_args
 from archo_tui.robot_file.load import default_path
 from archo_tui.station import shutdown
@@ -411,3 +412,17 @@ def test_a_lack_of_ros_is_one_line_with_what_to_type(patch: str, said: str, hint
     assert len(done.stderr.strip().splitlines()) == 1
     assert said in done.stderr
     assert hint in done.stderr
+
+
+def test_each_domain_with_nodes_is_a_line_with_how_to_start_there() -> None:
+    found = {7: ["/a", "/b", "/c", "/d", "/e", "/f"], 0: ["/base"]}
+    assert domains_text(found).splitlines() == [
+        "domain 0: /base: start with ROS_DOMAIN_ID=0",
+        "domain 7: /a, /b, /c, /d and 2 more: start with ROS_DOMAIN_ID=7",
+    ]
+
+
+def test_nothing_found_is_said_with_what_limits_the_look() -> None:
+    said = domains_text({})
+    assert said.startswith("no node in the domains 0 to 20")
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" in said

@@ -60,7 +60,7 @@ async def at_a_terminal(*args: str, **options: Any) -> AsyncIterator[tuple[Typed
 
 
 def station(person: Typed) -> Station:
-    return person._plain._station
+    return person.station
 
 
 async def shown(person: Typed, number: int = 1) -> None:

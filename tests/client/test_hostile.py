@@ -181,7 +181,7 @@ async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_c
         )
         await heard(person, "max_speed 1.0")
         one.close()
-        station = person._plain._station
+        station = person.station
         await until(lambda: not station.clients)
         for _ in range(20):
             await typed("status")
@@ -191,7 +191,7 @@ async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_c
 
 async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() -> None:
     async with served(ros_args=LONG) as person:
-        station = person._plain._station
+        station = person.station
         send = station.robot.send
         sending, go_on = asyncio.Event(), asyncio.Event()
 
@@ -216,7 +216,7 @@ async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
     silent: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person._plain._station.robot, 0
+        robot, asked = person.station.robot, 0
         cancel = robot.cancel
 
         async def unheard(*, another: bool = False) -> Outcome:
@@ -239,7 +239,7 @@ async def test_a_goal_whose_cancel_was_accepted_is_not_said_to_run_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person._plain._station.robot, 0
+        robot, asked = person.station.robot, 0
         cancel = robot.cancel
 
         async def counted(*, another: bool = False) -> Outcome:
@@ -290,8 +290,8 @@ async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() ->
         async with guest() as one:
             assert (await one.ask("go", "12"))["code"] == "accepted"
             one.send({"id": 2, "words": ["go", "7"], "wait": True})
-            await until(lambda: person._plain._station.queue.waiting)
-        station = person._plain._station
+            await until(lambda: person.station.queue.waiting)
+        station = person.station
         await until(lambda: not station.queue.waiting)
         assert station.robot.snapshot.running_goal is not None
 

@@ -43,17 +43,17 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         first = client("go", "12", "--wait")
         await heard(person, "MOVING to 12")
         second = client("go", "7", "--wait")
-        await until(lambda: person._plain._station.queue.waiting)
+        await until(lambda: person.station.queue.waiting)
         assert (await typed("wait", "arrived", "--timeout", "0")).code == 4
         assert (await typed("cancel")).code == 0
         assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
-        await until(lambda: not person._plain._station.queue.waiting)  # nobody waits for it now
+        await until(lambda: not person.station.queue.waiting)  # nobody waits for it now
 
 
 async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
     async with served(ros_args=FAST) as person:
-        station = person._plain._station
+        station = person.station
         assert (await typed("go", "12", "7")).code == 0
         await typed("stop")
         await until(lambda: station.queue.hold_reason)
@@ -67,7 +67,7 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
 
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
     async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
-        station = person._plain._station
+        station = person.station
         waits = client("go", "12", "7", "--wait")
         await heard(person, "MOVING to 12")
         station.goals._become(station.queue._hold("an obstacle"))
@@ -234,7 +234,7 @@ def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
 async def test_a_goal_that_is_taken_late_is_cancelled(how: str, unlimited: Path) -> None:
     made: list[Hesitant] = []
     async with served(making(made, Hesitant), robot=unlimited) as person:
-        robot = person._plain._station.robot
+        robot = person.station.robot
 
         def phase() -> Phase | None:
             goal = robot.snapshot.goal

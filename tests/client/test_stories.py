@@ -151,7 +151,7 @@ async def test_by_lines(story: tuple[list[Step], str], unlimited: Path) -> None:
         async def do(step: Step) -> None:
             person.type(f"{step.words}\n")
 
-        assert await told(person._plain._station, steps, do) == end
+        assert await told(person.station, steps, do) == end
 
 
 @pytest.mark.parametrize("screen", corners([False], [True]), ids=["plain", "screen"])
@@ -173,7 +173,7 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
             assert await told(op.session.station, steps, do) == end
     else:
         async with served(robot=unlimited, ros_args=FAST) as person:
-            assert await told(person._plain._station, steps, do) == end
+            assert await told(person.station, steps, do) == end
 
 
 async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> None:
@@ -188,7 +188,7 @@ async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> No
             async def do(step: Step) -> None:
                 await asyncio.to_thread(run, step)
 
-            assert await told(person._plain._station, steps, do) == end
+            assert await told(person.station, steps, do) == end
 
 
 SET = "set motor_controller"

@@ -439,7 +439,7 @@ SENT: list[list[bytes]] = [
 
 async def test_a_stop_of_a_client_that_has_gone_is_carried_out() -> None:
     async with served() as person:
-        stops = person._plain._station.robot.stops
+        stops = person.station.robot.stops
         for number, sent in enumerate(SENT, 1):
             await typed("status")  # greeted: what comes is not the first
             with held():

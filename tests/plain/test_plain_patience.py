@@ -72,7 +72,7 @@ async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
     life: Life, line: str, said: str, patience: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with operated(Alone) as person:
-        host, began = person._plain._station.host, seconds()
+        host, began = person.station.host, seconds()
         await until(lambda: seconds() > began + 6.0)
         coming = (*host.states(), Hosted("/coming", life))
         monkeypatch.setattr(host, "states", lambda: coming)
@@ -102,7 +102,7 @@ class LateSubscriber(Node):
 @pytest.mark.parametrize("kind", ["", "std_msgs/msg/String "])
 async def test_a_topic_of_a_robot_elsewhere_is_waited_for(kind: str) -> None:
     async with operated(LateSubscriber) as person:
-        person._plain._station.attached = True
+        person.station.attached = True
         person.type(f"pub words {kind}data=x --yes\n")
         await person.until("pub words: published; 1 subscriber\n")
 
@@ -160,7 +160,7 @@ async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> No
     async with operated(making(made, Hesitant)) as person:
         person.type("go 12\ncancel\nnodes\n")
         await until(lambda: made and made[0].seen)
-        station, began = person._plain._station, seconds()
+        station, began = person.station, seconds()
         goals = station.robot.goals
         await until(lambda: goals.ours is not None and goals.ours.is_cancelled)
         assert seconds() - began < 1.0

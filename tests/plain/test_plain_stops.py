@@ -288,7 +288,7 @@ def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
 
 async def test_a_stop_that_is_refused_late_is_said() -> None:
     async with operated(making([], Brake, "brake", "no", 2.5)) as person:
-        station = person._plain._station
+        station = person.station
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
         person.type("stop\n")
         await person.until("failed: stop: ")

@@ -34,7 +34,7 @@ async def at_four_percent(*, charges: bool = False) -> AsyncIterator[tuple[Typed
     made: list[Battery] = []
     battery = making(made, Battery, charges=charges)
     async with operated(MotorController, battery, ros_args=LONG) as person:
-        robot = person._plain._station.robot
+        robot = person.station.robot
         await until(lambda: robot.snapshot.battery.percentage is not None)
         if not charges:
             await person.until("LOW BATTERY 4.0 %")
@@ -46,7 +46,7 @@ async def test_no_goal_is_sent_unasked_and_a_yes_is_for_the_whole_list() -> None
         person.type("go 12 7\nsend_goal /move_to_shelf 12\nstatus\n")
         await person.until(f"failed: go: {QUESTION.format('', 'Send')}")
         await person.until(f"failed: send_goal: {QUESTION.format('', 'Send')}")
-        assert person._plain._station.robot.snapshot.goal is None
+        assert person.station.robot.snapshot.goal is None
         person.type("go 12 7 --yes\n")
         await person.until("go to shelf 12: accepted")
         await person.until("queue: 7")
@@ -57,7 +57,7 @@ async def test_no_goal_is_sent_unasked_and_a_yes_is_for_the_whole_list() -> None
 
 async def test_a_battery_that_was_low_and_is_unreadable_asks_as_well() -> None:
     async with at_four_percent() as (person, battery):
-        station = person._plain._station
+        station = person.station
         battery.status.percentage, battery.status.battery_health = math.nan, ""
         await until(lambda: station.robot.snapshot.battery.percentage is None)
         person.type("go 12\nalarms\n")
@@ -75,7 +75,7 @@ async def test_a_held_queue_is_not_continued_unasked_while_it_charges() -> None:
         person.type("continue\n")
         await person.until(f"failed: continue: {QUESTION.format(', charging', 'Continue')}")
         battery.status.percentage, battery.status.battery_health = 90.0, "good"
-        robot = person._plain._station.robot
+        robot = person.station.robot
         await until(lambda: robot.snapshot.battery.percentage == 90.0)
         person.type("continue\n")
         await person.until("go to shelf 7: accepted")

@@ -69,7 +69,7 @@ async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
 ) -> None:
     config_file("places.yaml").unlink(missing_ok=True)
     async with operated(robot=file, ros_args=LONG) as person:
-        station = person._plain._station
+        station = person.station
         person.type("go 12 7 3\nsave_queue round\nskip\nskip\n")
         await until(lambda: "round" in station.places.lists and not station.queue.waiting)
         person.type("stop\n")

@@ -53,7 +53,7 @@ async def publishing(
     heard: list[Any] = []
     async with operated(hearing(heard, kind), *makers, **options) as person:
         await is_seen(person)
-        robot = person._plain._station.robot
+        robot = person.station.robot
         while line and len(heard) < 4:  # A pause of a busy machine ends it: then it begins again.
             person.type(f"pub words {line}\n")
             await until(lambda: robot.publications.active)
@@ -67,7 +67,7 @@ async def typed(person: Typed, line: str, said: str) -> None:
 
 
 async def is_seen(person: Typed) -> None:
-    robot = person._plain._station.robot
+    robot = person.station.robot
     await until(lambda: "/words" in {found.name for found in robot.snapshot.resources})
 
 
@@ -114,7 +114,7 @@ def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
 
 async def test_cancel_all_cancels_every_goal_also_while_something_is_published() -> None:
     async with publishing("", MotorController) as (person, heard):
-        station = person._plain._station
+        station = person.station
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         person.type("pub words data=x --rate 10 --yes\n")
         await until(lambda: len(heard) > 2)
@@ -164,7 +164,7 @@ async def test_subscribers_that_get_nothing_are_counted_apart() -> None:
 
 async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:
     async with publishing(at_terminal=True) as (person, heard):
-        station = person._plain._station
+        station = person.station
         await typed(person, "pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
         await until(lambda: len(heard) > 3)
         station.refresh()
@@ -208,7 +208,7 @@ async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> 
 
 async def test_the_end_of_the_console_ends_it() -> None:
     async with publishing("data=x --rate 50 --yes") as (person, _heard):
-        robot = person._plain._station.robot
+        robot = person.station.robot
         await robot.stop_sending_goals()
         assert robot.publications.active == ()
         await person.until("ended by the end of the console")
@@ -241,7 +241,7 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
 
 async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
     async with publishing("data=x --rate 50 --yes") as (person, heard):
-        (publication,) = person._plain._station.robot.publications.active
+        (publication,) = person.station.robot.publications.active
         publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
         await person.until("failed: pub: ended by a pause of the console after")
         count, later = len(heard), seconds() + 1.0
@@ -253,7 +253,7 @@ async def test_a_suspension_in_the_middle_of_a_request_does_not_hang_the_console
     async with operated(hearing([])) as person:
         await is_seen(person)
         person.type("pub words data=x --rate 50 --yes\n")
-        robot = person._plain._station.robot
+        robot = person.station.robot
         await until(lambda: robot.publications.active)
         with robot.thread._lock:  # The signal comes while this thread hands over a request.
             robot.end_publications_now()
@@ -266,7 +266,7 @@ async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
 ) -> None:
     monkeypatch.setattr(Publisher, "get_subscription_count", lambda _: 0)
     async with publishing() as (person, heard):
-        station = person._plain._station
+        station = person.station
         person.type("pub words data=x --yes\n")
         await until(lambda: station.robot.publications.active)
         await station.robot.end_publications()
@@ -276,7 +276,7 @@ async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
 
 async def test_what_the_robot_says_to_the_console_is_not_said_in_its_place() -> None:
     async with operated(BatteryMonitor) as person:
-        topics = person._plain._station.robot
+        topics = person.station.robot
         await until(lambda: "/battery_level" in {r.name for r in topics.snapshot.resources})
         person.type("pub battery_level percentage=100 --yes\n")
         await person.until("failed: pub: the console reads /battery_level, and /battery_monitor")

@@ -199,7 +199,7 @@ async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -
         await person.until("alarm unacknowledged: STOPPED")
         person.type("shelve stopped for repair\nalarms\nrelease --yes\n")
         await person.until("release stop: ")
-        station = person._plain._station
+        station = person.station
         await until(lambda: station.view.alarms[0].is_over)
         person.type("alarms\nstatus\nshelve stopped\n")
         await person.until("no longer shelved\n")
@@ -279,7 +279,7 @@ async def test_a_reason_begins_where_the_alarms_name_ends(words: str, reason: st
         await person.until("alarm unacknowledged: CONTACT LOST")
         person.type(f"shelve {words}\n")
         await person.until("low battery: shelved for 10 min\n")
-        alarms = person._plain._station.view.alarms
+        alarms = person.station.view.alarms
         assert [alarm.reason for alarm in alarms if alarm.name == "low battery"] == [reason]
 
 
