@@ -153,48 +153,36 @@ def test_the_keymap_is_that_of_the_robot_file(
     assert "\nreset: f7 " in keys()
 
 
+BLINK = "commands:\n  - {id: blink, title: Blink, service: blink, key: b}\n"
+BEEP = "  - {id: beep, title: Beep, service: beep, key: KEY}\n"
+WRONG_FILES = [
+    ("name: x\nbatery: none\n", "2: unknown key batery (nearest: battery)"),
+    (BLINK + BEEP.replace("KEY", "q"), "3: q is the key of quit: choose another"),
+    (BLINK + BEEP.replace("KEY", "b"), "3: b is the key of blink: choose another"),
+    (
+        BLINK + BEEP.replace("KEY", "tab"),
+        "3: tab is needed in fields and dialogs: choose another",
+    ),
+    (BLINK + BEEP.replace("KEY", "warp"), "3: no key 'warp': like x, ctrl+x, f5, question_mark"),
+]
+
+
 @pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
+@pytest.mark.parametrize(("text", "said"), WRONG_FILES)
 def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     mode: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    file = tmp_path / "robot.yaml"
-    file.write_text("name: x\nbatery: none\n")
-    monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda: None)
-    assert main(["--robot", str(file), *mode]) == 2
-    said = capsys.readouterr().err
-    assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
-
-
-@pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
-@pytest.mark.parametrize(
-    ("key", "said"),
-    [
-        ("q", "q is the key of quit: choose another"),
-        ("b", "b is the key of blink: choose another"),
-        ("tab", "tab is needed in fields and dialogs: choose another"),
-        ("warp", "no key 'warp': like x, ctrl+x, f5, question_mark"),
-    ],
-)
-def test_a_key_that_is_taken_is_one_line_in_each_face(
-    mode: list[str],
-    key: str,
+    text: str,
     said: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     file = tmp_path / "robot.yaml"
-    beep = f"  - {{id: beep, title: Beep, service: beep, key: {key}}}\n"
-    blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
-    file.write_text(f"commands:\n{blink}{beep}")
+    file.write_text(text)
     monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda _: None)
     hosted = [] if mode == ["keys"] else ["--engine", chosen.ENGINE, "--only"]
-    words = [*hosted, "--robot", str(file), *mode]
-    assert main(words) == 2
-    assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
+    assert main([*hosted, "--robot", str(file), *mode]) == 2
+    assert capsys.readouterr().err == f"archo-tui: {file}:{said}\n"
 
 
 @pytest.mark.night

@@ -263,26 +263,14 @@ async def test_what_cannot_be_done_is_said_alike_by_lines_shell_and_python() -> 
 ENDED = "the goal that was asked about has ended"
 
 
-async def test_a_question_about_a_goal_closes_at_a_terminal_once_that_has_ended() -> None:
-    async with served(ros_args=LONG, at_terminal=True) as person:
-        person.type("go 12 7\n")
-        await heard(person, "MOVING to 12")
-        person.type("reset\n")
-        await heard(person, "shelf 12. Reset encoder now? [y/N]")
-        assert (await typed("cancel")).code == 0
-        await heard(person, f"failed: reset: {ENDED}")
-        assert await person.end() == 1
-        assert "reset encoder" not in person.said
-
-
-async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
+async def test_a_question_about_a_goal_closes_with_it_and_the_line_read_for_it_is_carried_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with served(ros_args=LONG, at_terminal=True) as person:
         person.type("go 12\n")
         await heard(person, "MOVING to 12")
         person.type("reset\n")
-        await heard(person, "[y/N]")
+        await heard(person, "shelf 12. Reset encoder now? [y/N]")
         with monkeypatch.context() as patch:
             patch.setattr(Input, "is_quiet", False)  # More may be behind it.
             person.type("nodes\n")
@@ -290,6 +278,8 @@ async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
             assert (await typed("cancel")).code == 0
             await heard(person, f"failed: reset: {ENDED}")
         await heard(person, "motor_controller up")
+        assert await person.end() == 1
+        assert "reset encoder" not in person.said
 
 
 async def test_a_question_about_a_goal_closes_on_the_screen_once_that_has_ended() -> None:

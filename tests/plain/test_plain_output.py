@@ -14,7 +14,7 @@ import pytest
 from archo_tui.console.printing import MAX_WAITING, Output
 from tests.support.night import corners
 from tests.support.quiet import until
-from tests.support.script import Script, shell
+from tests.support.script import Script
 
 
 @pytest.fixture
@@ -63,12 +63,6 @@ def test_a_reader_that_comes_back_is_told_how_much_it_missed(script: Script) -> 
     script.type("stop\n")
     script.until("STOP: confirmed")
     assert script.end() == 0
-
-
-def test_a_slow_reader_of_much_misses_nothing() -> None:
-    done = shell("(yes help | head -n 600; echo reset) | archo --plain | (sleep 2; cat)")
-    assert done.stdout.count(b"\nquit: ") == 600
-    assert b"Encoder reset" in done.stdout
 
 
 def test_the_end_waits_for_a_slow_reader(script: Script) -> None:

@@ -132,16 +132,6 @@ async def test_what_is_offered_some_seconds_after_the_start_is_waited_for() -> N
     assert "not offered" not in person.said
 
 
-async def test_a_stop_that_nobody_serves_speaks_within_its_deadline() -> None:
-    async with operated(Alone) as person:
-        later = seconds() + 6.0
-        await until(lambda: seconds() > later)
-        began = seconds()
-        person.type("stop\n")
-        await person.until("failed: stop: /emergency_stop is not offered by any node")
-        assert seconds() - began < 2.5
-
-
 async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:
     made: list[Hesitant] = []
     async with operated(making(made, Hesitant, "reach")) as person:
