@@ -50,8 +50,7 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
 ) -> None:
     async with operated(Alone) as person:
         began = seconds()
-        person.type(f"{line}\n")
-        await person.until(said)
+        await person.enter(f"{line}", said)
         assert seconds() - began <= 5.1  # at the start it may only not be found yet
         await until(lambda: seconds() > began + 6.0)
         began = seconds()
@@ -77,8 +76,7 @@ async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
         coming = (*host.states(), Hosted("/coming", life))
         monkeypatch.setattr(host, "states", lambda: coming)
         began = seconds()
-        person.type(f"{line}\n")
-        await person.until(f"failed: {said}")
+        await person.enter(f"{line}", f"failed: {said}")
         assert seconds() - began >= patience
         monkeypatch.undo()  # It has ended.
         began = seconds()
@@ -103,8 +101,7 @@ class LateSubscriber(Node):
 async def test_a_topic_of_a_robot_elsewhere_is_waited_for(kind: str) -> None:
     async with operated(LateSubscriber) as person:
         person.station.attached = True
-        person.type(f"pub words {kind}data=x --yes\n")
-        await person.until("pub words: published; 1 subscriber\n")
+        await person.enter(f"pub words {kind}data=x --yes", "pub words: published; 1 subscriber\n")
 
 
 class Late(Node):
@@ -127,8 +124,7 @@ class Late(Node):
 
 async def test_what_is_offered_some_seconds_after_the_start_is_waited_for() -> None:
     async with operated(Late) as person:
-        person.type("reset\n")
-        await person.until("late is better than never")
+        await person.enter("reset", "late is better than never")
     assert "not offered" not in person.said
 
 
@@ -140,8 +136,7 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
         made[0].answer()
         await person.until("YOU console: reach 3: accepted")
         began = seconds()
-        person.type("cancel\n")
-        await person.until("goal CANCELLED")
+        await person.enter("cancel", "goal CANCELLED")
         assert seconds() - began < 0.5
 
 
@@ -170,12 +165,9 @@ async def test_a_cancel_in_the_same_pipe_tells_the_queue_once() -> None:
 
 async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:
     async with operated(at_terminal=True) as person:
-        person.type("go 12\n")
-        await person.until("goal MOVING")
-        person.type("reset\n")
-        await person.until("[y/N]")
-        person.type("cancel\n")
-        await person.until("failed: reset: not done: the answer was not yes")
+        await person.enter("go 12", "goal MOVING")
+        await person.enter("reset", "[y/N]")
+        await person.enter("cancel", "failed: reset: not done: the answer was not yes")
         await person.until("goal CANCELLED")
 
 

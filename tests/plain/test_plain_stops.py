@@ -38,14 +38,12 @@ async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards(
 ) -> None:
     monkeypatch.setattr("archo_tui.verbs.verb.DISCOVERY_TIME", 60.0)  # The call waits.
     async with operated() as person:
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
+        await person.enter("stop", "STOP: confirmed")
         person.type("status\ncall /nosuch\nrelease --yes\n")
         await person.until("\ngoal No goal yet")
         began = clock.seconds()
         await until(lambda: clock.seconds() > began + 2.0)
-        person.type("stop\n")
-        await person.until(f"failed: call: {VOID}")
+        await person.enter("stop", f"failed: call: {VOID}")
         assert clock.seconds() < began + 4.0  # it would have waited for 5 s
         assert await person.end("status\n") == 1
     assert f"failed: release: {VOID}" in person.said
@@ -55,8 +53,7 @@ async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards(
 
 async def test_a_goal_typed_before_a_stop_that_does_not_latch_is_not_driven() -> None:
     async with operated(Cart, robot=CART) as person:
-        person.type("go 12\n")
-        await person.until("drives to 12")
+        await person.enter("go 12", "drives to 12")
         assert await person.end("cancel\ngo 7\ngo 3 4\nstop\n") == 1
     assert person.said.count(f"failed: go: {VOID}") == 2
     assert "STOP: confirmed" in person.said
@@ -82,10 +79,8 @@ async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
 
 async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
     async with operated(Cart, robot=CART) as person:
-        person.type("go 12 7\n")
-        await person.until("drives to 12")
-        person.type("stop\n")
-        await person.until("queue held: 7")
+        await person.enter("go 12 7", "drives to 12")
+        await person.enter("stop", "queue held: 7")
         assert await person.end("continue\nstop\n") == 1
     assert f"failed: continue: {VOID}" in person.said
     assert "not driven: 7" in person.said
@@ -202,8 +197,7 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
 async def test_a_line_read_for_a_question_waits_for_the_stop_before_it() -> None:
     robot: Any = Slow(goal(Phase.MOVING, mine=False))
     async with typing(stub_station(robot, clock.current or Clock()), at_terminal=True) as person:
-        person.type("cancel\n")
-        await person.until("Another client sent this goal. Cancel it? [y/N]")
+        await person.enter("cancel", "Another client sent this goal. Cancel it? [y/N]")
         person.type("stop\nreset\n")
         while not person._plain._input._waiting:  # Both are there when the loop goes on.
             time.sleep(clock.LOOK)
@@ -255,8 +249,7 @@ async def test_a_stop_that_is_refused_late_is_said() -> None:
     async with operated(making([], Brake, "brake", "no", 2.5)) as person:
         station = person.station
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
-        person.type("stop\n")
-        await person.until("failed: stop: ")
+        await person.enter("stop", "failed: stop: ")
         await person.until("STOP, answered late: REFUSED")
 
 
@@ -273,10 +266,8 @@ async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -
     made: list[Peer] = []
     nodes = [*_robots_nodes(False).values(), making(made, Peer)]
     async with operated(*nodes, at_terminal=True) as person:
-        person.type("stop\n")
-        await person.until("alarm unacknowledged: STOPPED")
-        person.type("release\n")
-        await person.until("[y/N]")
+        await person.enter("stop", "alarm unacknowledged: STOPPED")
+        await person.enter("release", "[y/N]")
         made[0].tell("stop")
         await person.until(f"failed: release: {VOID}")
         assert await person.end() == 1

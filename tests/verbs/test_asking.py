@@ -106,8 +106,7 @@ async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
     async with at_terminal(robot) as person:
         await person.enter("reset", "Reset encoder now? [y/N]")
         robot.put(robot.snapshot._replace(goal=behind))
-        person.type("y\n")
-        await person.until("failed: reset: the goal that was asked about has ended")
+        await person.enter("y", "failed: reset: the goal that was asked about has ended")
         assert robot.told == []
 
 

@@ -122,10 +122,8 @@ def test_the_request_says_which_of_several_verbs_is_meant(
 
 async def test_a_release_asks_and_what_it_answers_is_told() -> None:
     async with operated() as person:
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
-        person.type("call release_emergency_stop\n")
-        await person.until("failed: call: Release the stop?")
+        await person.enter("stop", "STOP: confirmed")
+        await person.enter("call release_emergency_stop", "failed: call: Release the stop?")
         await person.until("(add --yes to do it)")
         assert "release stop:" not in person.said
         assert await person.end("call release_emergency_stop --yes\n") == 1

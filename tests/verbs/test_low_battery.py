@@ -47,8 +47,7 @@ async def test_no_goal_is_sent_unasked_and_a_yes_is_for_the_whole_list() -> None
         await person.until(f"failed: go: {QUESTION.format('', 'Send')}")
         await person.until(f"failed: send_goal: {QUESTION.format('', 'Send')}")
         assert person.station.robot.snapshot.goal is None
-        person.type("go 12 7 --yes\n")
-        await person.until("go to shelf 12: accepted")
+        await person.enter("go 12 7 --yes", "go to shelf 12: accepted")
         await person.until("queue: 7")
         assert "queue held" not in person.said
         person.type("go 3\n")  # Its alarm is acknowledged now.
@@ -68,17 +67,16 @@ async def test_a_battery_that_was_low_and_is_unreadable_asks_as_well() -> None:
 
 async def test_a_held_queue_is_not_continued_unasked_while_it_charges() -> None:
     async with at_four_percent(charges=True) as (person, battery):
-        person.type("go 12\n")
-        await person.until(f"failed: go: {QUESTION.format(', charging', 'Send')}")
+        await person.enter("go 12", f"failed: go: {QUESTION.format(', charging', 'Send')}")
         person.type("go 12 7 --yes\ncancel\n")
         await person.until("queue held: 7 (cancelled)")
-        person.type("continue\n")
-        await person.until(f"failed: continue: {QUESTION.format(', charging', 'Continue')}")
+        await person.enter(
+            "continue", f"failed: continue: {QUESTION.format(', charging', 'Continue')}"
+        )
         battery.status.percentage, battery.status.battery_health = 90.0, "good"
         robot = person.station.robot
         await until(lambda: robot.snapshot.battery.percentage == 90.0)
-        person.type("continue\n")
-        await person.until("go to shelf 7: accepted")
+        await person.enter("continue", "go to shelf 7: accepted")
 
 
 async def test_keys_are_asked_too() -> None:

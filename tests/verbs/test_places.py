@@ -72,10 +72,8 @@ async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
         station = person.station
         person.type("go 12 7 3\nsave_queue round\nskip\nskip\n")
         await until(lambda: "round" in station.places.lists and not station.queue.waiting)
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
-        person.type("release --yes\n")
-        await person.until("release stop: ")
+        await person.enter("stop", "STOP: confirmed")
+        await person.enter("release --yes", "release stop: ")
         person.type("go_list round 2\n")
         await until(lambda: len(station.queue.waiting) == 5)
         assert [goal.text for goal in station.queue.waiting] == ["7", "3", "12", "7", "3"]
@@ -168,11 +166,9 @@ async def test_a_place_that_was_changed_meanwhile_is_the_one_of_the_file(file: P
     path = config_file("places.yaml")
     path.unlink(missing_ok=True)
     async with operated(robot=file, ros_args=FAST) as person:
-        person.type("save_place mine 7\n")
-        await person.until("place mine: saved as 7")
+        await person.enter("save_place mine 7", "place mine: saved as 7")
         path.write_text(path.read_text().replace("shelf_number: 7", "shelf_number: 5"))
-        person.type("go mine\n")
-        await person.until("Arrived at shelf 5")
+        await person.enter("go mine", "Arrived at shelf 5")
 
 
 def test_an_own_place_gives_way_to_one_of_the_robot_file(file: Path, tmp_path: Path) -> None:

@@ -61,11 +61,6 @@ async def publishing(
         yield person, heard
 
 
-async def typed(person: Typed, line: str, said: str) -> None:
-    person.type(f"{line}\n")
-    await person.until(said)
-
-
 async def is_seen(person: Typed) -> None:
     robot = person.station.robot
     await until(lambda: "/words" in {found.name for found in robot.snapshot.resources})
@@ -125,20 +120,20 @@ async def test_cancel_all_cancels_every_goal_also_while_something_is_published()
 
 async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:
     async with publishing() as (person, heard):
-        await typed(person, "pub words data=no", "This may move the robot. Publish to /words")
-        await typed(person, "pub words data=one --yes", "pub words: published; 1 subscriber\n")
+        await person.enter("pub words data=no", "This may move the robot. Publish to /words")
+        await person.enter("pub words data=one --yes", "pub words: published; 1 subscriber\n")
         await until(lambda: heard == ["one"])
-        await typed(person, "pub words data=two --times 3 --rate 20 --yes", "published 3 messages")
+        await person.enter("pub words data=two --times 3 --rate 20 --yes", "published 3 messages")
         await until(lambda: heard == ["one", "two", "two", "two"])
-        await typed(person, "pub words dada=x --yes", "failed: pub: expected data=..., not dada=x")
-        await typed(person, "pub word data=x --yes", "(nearest: /words)")
-        await typed(person, "pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
-        await typed(person, "pub /_hid std_msgs/msg/String --yes", "nothing is published there")
-        await typed(person, "pub new std_msgs/msg/String --yes", "published; no subscribers")
+        await person.enter("pub words dada=x --yes", "failed: pub: expected data=..., not dada=x")
+        await person.enter("pub word data=x --yes", "(nearest: /words)")
+        await person.enter("pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
+        await person.enter("pub /_hid std_msgs/msg/String --yes", "nothing is published there")
+        await person.enter("pub new std_msgs/msg/String --yes", "published; no subscribers")
         now = (
             "this console has /new as std_msgs/msg/String now: it cannot publish std_msgs/msg/Bool"
         )
-        await typed(person, "pub new std_msgs/msg/Bool --yes", f"failed: pub: {now} there as well")
+        await person.enter("pub new std_msgs/msg/Bool --yes", f"failed: pub: {now} there as well")
         assert len(heard) == 4
 
 
@@ -159,13 +154,13 @@ async def test_subscribers_that_get_nothing_are_counted_apart() -> None:
     async with operated(Unfit) as person:
         await is_seen(person)
         one = "published; 1 subscriber; 1 of another type or QoS"
-        await typed(person, "pub words data=a --yes", one)
+        await person.enter("pub words data=a --yes", one)
 
 
 async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:
     async with publishing(at_terminal=True) as (person, heard):
         station = person.station
-        await typed(person, "pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
+        await person.enter("pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
         await until(lambda: len(heard) > 3)
         station.refresh()
         assert node_rows(station.view)[0].word()[1] == "at 10 Hz, cancel ends it"
@@ -194,15 +189,14 @@ async def test_in_a_pipe_a_cancel_ends_it() -> None:
 
 async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
     async with publishing("data=x --rate 50 --yes", MotorController) as (person, heard):
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
+        await person.enter("stop", "STOP: confirmed")
         await person.until("failed: pub: ended by STOP after")
         count, later = len(heard), seconds() + 2.0
-        await typed(person, "pub words data=y --yes", "failed: pub: the robot is stopped")
+        await person.enter("pub words data=y --yes", "failed: pub: the robot is stopped")
         await until(lambda: seconds() > later)
         assert len(heard) <= count + 1
-        await typed(person, "release --yes", "release stop: ")
-        await typed(person, "pub words data=y --yes", "published; 1 subscriber\n")
+        await person.enter("release --yes", "release stop: ")
+        await person.enter("pub words data=y --yes", "published; 1 subscriber\n")
         await until(lambda: heard[-1] == "y")
 
 
@@ -212,8 +206,7 @@ async def test_the_end_of_the_console_ends_it() -> None:
         await robot.stop_sending_goals()
         assert robot.publications.active == ()
         await person.until("ended by the end of the console")
-        person.type("pub words data=x --yes\n")
-        await person.until("not published: the console ends")
+        await person.enter("pub words data=x --yes", "not published: the console ends")
 
 
 async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_stop(
@@ -223,8 +216,7 @@ async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_
     text = load.default_path().read_text(encoding="utf-8")
     file.write_text(f"{text}\ntopics:\n  - {{topic: words, moves: false}}\n")
     async with publishing("data=x --rate 10", MotorController, robot=file) as (person, heard):
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
+        await person.enter("stop", "STOP: confirmed")
         count = len(heard)
         await until(lambda: len(heard) > count + 3)
 
@@ -235,7 +227,7 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
         person.type("cancel\n")
         await until(lambda: heard[-1] == 0.0)
         assert set(heard[:-1]) == {0.5}
-        await typed(person, "pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
+        await person.enter("pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
         await until(lambda: heard[-1] == 0.3)  # One message is meant as it is typed.
 
 
@@ -278,8 +270,10 @@ async def test_what_the_robot_says_to_the_console_is_not_said_in_its_place() -> 
     async with operated(BatteryMonitor) as person:
         topics = person.station.robot
         await until(lambda: "/battery_level" in {r.name for r in topics.snapshot.resources})
-        person.type("pub battery_level percentage=100 --yes\n")
-        await person.until("failed: pub: the console reads /battery_level, and /battery_monitor")
+        await person.enter(
+            "pub battery_level percentage=100 --yes",
+            "failed: pub: the console reads /battery_level, and /battery_monitor",
+        )
 
 
 async def test_a_header_gets_the_present_time_unless_one_is_typed() -> None:
@@ -294,8 +288,8 @@ async def test_a_header_gets_the_present_time_unless_one_is_typed() -> None:
     async with operated(Posed) as person:
         await is_seen(person)
         for header in ("header.frame_id=map", "'{header: {frame_id: map}}'"):
-            await typed(person, f"pub words {header} --yes", "published; 1 subscriber\n")
-        await typed(person, "pub words header.stamp.sec=7 --times 1 --yes", "published")
+            await person.enter(f"pub words {header} --yes", "published; 1 subscriber\n")
+        await person.enter("pub words header.stamp.sec=7 --times 1 --yes", "published")
         await until(lambda: len(heard) == 3)
         assert [message.header.stamp.sec > 1000 for message in heard] == [True, True, False]
         assert heard[0].header.frame_id == "map"
