@@ -67,6 +67,24 @@ def parameters(*words: str, code: str = "") -> StdioServerParameters:
     return StdioServerParameters(command=command, args=arguments, env=given)
 
 
+INITIALIZE = (
+    b'{"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"protocolVersion": '
+    b'"2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "0"}}}\n'
+    b'{"jsonrpc": "2.0", "method": "notifications/initialized"}\n'
+)
+
+
+async def process(*words: str, first: bytes = b"") -> asyncio.subprocess.Process:
+    """Its process, to which that was written."""
+    given = parameters(*words)
+    made = await asyncio.create_subprocess_exec(
+        given.command, *given.args, env=given.env, stdin=-1, stdout=-1, stderr=-1
+    )
+    assert made.stdin is not None
+    made.stdin.write(first)
+    return made
+
+
 @asynccontextmanager
 async def assistant(*words: str, **more: Any) -> AsyncIterator[Assistant]:
     """One that runs, `--allow goals` among its words or not."""

@@ -9,17 +9,19 @@ import pytest
 from mcp import Client
 from mcp.client.stdio import stdio_client
 
-from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
+from tests.assistant.support import (
+    INITIALIZE,
+    FakeConsole,
+    assistant,
+    fake_console,
+    parameters,
+    process,
+)
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
-INITIALIZE = (
-    b'{"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"protocolVersion": '
-    b'"2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "0"}}}\n'
-    b'{"jsonrpc": "2.0", "method": "notifications/initialized"}\n'
-)
 WAIT = (
     b'{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": '
     b'{"name": "wait", "arguments": {"request": 3}}}\n'
@@ -42,47 +44,42 @@ async def test_all_calls_go_through_one_connection_that_closes_at_the_end() -> N
 
 async def waiting(console: FakeConsole) -> asyncio.subprocess.Process:
     """The process, while a call of it waits for a request."""
-    words = parameters("--allow", "goals")
-    process = await asyncio.create_subprocess_exec(
-        words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
-    )
-    assert process.stdin is not None
-    process.stdin.write(INITIALIZE + WAIT)
+    made = await process("--allow", "goals", first=INITIALIZE + WAIT)
     await until(lambda: console.asked)
-    return process
+    return made
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL, signal.SIGINT])
 async def test_killed_in_the_middle_its_connection_closes(number: signal.Signals) -> None:
     async with fake_console() as console:
-        process = await waiting(console)
-        assert process.stdout is not None
-        first = await asyncio.wait_for(process.stdout.readline(), DEADLINE)
-        process.send_signal(number)
+        ours = await waiting(console)
+        assert ours.stdout is not None
+        first = await asyncio.wait_for(ours.stdout.readline(), DEADLINE)
+        ours.send_signal(number)
         await until(lambda: console.closed == 1)
-        rest, err = await asyncio.wait_for(process.communicate(), DEADLINE)
+        rest, err = await asyncio.wait_for(ours.communicate(), DEADLINE)
         out = first + rest
-        assert process.returncode == -number
+        assert ours.returncode == -number
         assert (out.count(b"\n"), err) == (1, b"")  # the answer to initialize
 
 
 async def test_closed_in_the_middle_it_ends_without_a_word() -> None:
     async with fake_console() as console:
-        process = await waiting(console)
-        _, err = await asyncio.wait_for(process.communicate(b""), DEADLINE)
-        assert (process.returncode, err) == (0, b"")
+        ours = await waiting(console)
+        _, err = await asyncio.wait_for(ours.communicate(b""), DEADLINE)
+        assert (ours.returncode, err) == (0, b"")
         await until(lambda: console.closed == 1)
 
 
 async def test_a_client_that_no_longer_reads_ends_it() -> None:
     async with fake_console() as console:
-        process = await waiting(console)
-        transport = process._transport  # type: ignore[attr-defined]
+        ours = await waiting(console)
+        transport = ours._transport  # type: ignore[attr-defined]
         transport.get_pipe_transport(1).close()
-        assert process.stdin is not None
-        process.stdin.write(WAIT.replace(b'"wait"', b'"no_such"').replace(b'"id": 1', b'"id": 2'))
-        process.stdin.close()
-        await asyncio.wait_for(process.wait(), DEADLINE)
+        assert ours.stdin is not None
+        ours.stdin.write(WAIT.replace(b'"wait"', b'"no_such"').replace(b'"id": 1', b'"id": 2'))
+        ours.stdin.close()
+        await asyncio.wait_for(ours.wait(), DEADLINE)
         await until(lambda: console.closed == 1)
 
 

@@ -13,7 +13,7 @@ from mcp import Client
 from mcp.client.stdio import stdio_client
 
 from archo_tui.robot_file.model import NO_STOP
-from tests.assistant.support import assistant, fake_console, parameters
+from tests.assistant.support import assistant, fake_console, parameters, process
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -141,12 +141,9 @@ async def test_odd_arguments_are_one_clear_line_and_reach_no_console() -> None:
 
 
 async def test_it_ends_when_its_client_closes_and_prints_nothing_else() -> None:
-    words = parameters("--allow", "goals")
-    process = await asyncio.create_subprocess_exec(
-        words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
-    )
-    out, err = await asyncio.wait_for(process.communicate(b""), DEADLINE)
-    assert (process.returncode, out, err) == (0, b"", b"")
+    ours = await process("--allow", "goals")
+    out, err = await asyncio.wait_for(ours.communicate(b""), DEADLINE)
+    assert (ours.returncode, out, err) == (0, b"", b"")
 
 
 async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None:

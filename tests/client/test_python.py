@@ -9,7 +9,6 @@ import pydoc
 import signal
 import subprocess
 import threading
-import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -301,10 +300,10 @@ def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() ->
             seen = script.said.count("goal CANCELLED")
             moved = script.said.count("goal MOVING to 12")
             enter(call)
-            _until(script, lambda n=moved: script.said.count("goal MOVING to 12") > n)  # type: ignore[misc]
+            script.until("goal MOVING to 12", moved + 1)
             python.send_signal(signal.SIGINT)
             assert told().startswith("KeyboardInterrupt")
-            _until(script, lambda n=seen: script.said.count("goal CANCELLED") > n)  # type: ignore[misc]
+            script.until("goal CANCELLED", seen + 1)
             enter("robot.cancel()")
             assert told() == "Refused: no goal is running"
         script.signal(signal.SIGSTOP)
@@ -376,14 +375,6 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
     await until(goal.done)
     with pytest.raises(Unreached, match="may still be moving"):
         await asyncio.to_thread(goal.cancel)
-
-
-def _until(script: Script, holds: Callable[[], bool]) -> None:
-    end = time.monotonic() + DEADLINE
-    while not holds():
-        script._read()
-        assert time.monotonic() < end, script.said
-        time.sleep(0.01)
 
 
 async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(

@@ -20,8 +20,7 @@ from archo_tui.client.mcp.server import make_server
 from archo_tui.console import socket as server
 from archo_tui.robot.stop import words as lines
 from archo_tui.robot.stop.gate import Stops
-from tests.assistant.support import FakeConsole, fake_console, parameters
-from tests.assistant.test_its_connection import INITIALIZE
+from tests.assistant.support import INITIALIZE, FakeConsole, fake_console, process
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
 
@@ -188,21 +187,17 @@ def test_a_stop_that_nobody_gets_is_never_called_sent(capsys: pytest.CaptureFixt
 
 
 async def test_arguments_that_are_none_stop_the_robot_too() -> None:
-    words = parameters()
     async with fake_console() as console:
         console.answer("stop", "done", "confirmed")
-        process = await asyncio.create_subprocess_exec(
-            words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
-        )
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdin.write(INITIALIZE)
-        await asyncio.wait_for(process.stdout.readline(), DEADLINE)
+        ours = await process(first=INITIALIZE)
+        assert ours.stdin is not None
+        assert ours.stdout is not None
+        await asyncio.wait_for(ours.stdout.readline(), DEADLINE)
         for given in ("now", ["now"], 5, None):
             request = {"name": "Stop!", "arguments": given}
             asked = {"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": request}
-            process.stdin.write(json.dumps(asked).encode() + b"\n")
+            ours.stdin.write(json.dumps(asked).encode() + b"\n")
             await stopped(console)
-            answer = json.loads(await asyncio.wait_for(process.stdout.readline(), DEADLINE))
+            answer = json.loads(await asyncio.wait_for(ours.stdout.readline(), DEADLINE))
             assert answer["result"]["isError"] is False
-        await asyncio.wait_for(process.communicate(b""), DEADLINE)
+        await asyncio.wait_for(ours.communicate(b""), DEADLINE)
