@@ -9,8 +9,7 @@ import re
 import socket
 import stat
 import threading
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,21 +25,10 @@ from tests.support.night import corners
 from tests.support.plain import Typed, operated
 from tests.support.robot import making
 from tests.support.ros import begin
-from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+from tests.support.shells import guest, heard, own_socket, raw, reached, served, typed, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
-
-
-@asynccontextmanager
-async def guest() -> AsyncIterator[Raw]:
-    """One that has read its hello."""
-    one = await raw()
-    assert (await one.line())["protocol"] == 1
-    try:
-        yield one
-    finally:
-        one.close()
 
 
 async def goes_on(person: Typed) -> None:

@@ -6,9 +6,7 @@ import asyncio
 import json
 import re
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import nullcontext
-from types import SimpleNamespace
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -21,7 +19,7 @@ from archo_tui.console import socket as server
 from archo_tui.robot.stop import words as lines
 from archo_tui.robot.stop.gate import Stops
 from tests.assistant.support import INITIALIZE, FakeConsole, fake_console, process
-from tests.support.shells import until
+from tests.support.shells import Graph, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -143,21 +141,6 @@ async def test_options_of_a_verb_stand_before_it_and_none_keeps_a_stop_away(
         assert (code == 0) == (words is not None)
 
 
-class Graph:
-    """The robot on the graph, to which a verb goes where no console runs."""
-
-    def __init__(self, asked: list[Any]) -> None:
-        self._asked = asked
-
-    def __call__(self, session: Callable[[], Any]) -> Any:
-        self._asked.append(session().options)
-        return nullcontext(self)
-
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        self._asked.append(asked["words"])
-        yield {"code": "done", "text": "confirmed"}
-
-
 @pytest.mark.parametrize(
     ("line", "namespace"),
     [
@@ -170,14 +153,13 @@ class Graph:
 def test_a_misspelt_option_loses_no_stop_where_no_console_runs(
     line: str, namespace: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked: list[Any] = []
-    monkeypatch.setattr("archo_tui.console.attached.attached", Graph(asked))
+    graph, made = Graph(), list[Any]()
+    monkeypatch.setattr("archo_tui.session.session.Session", made.append)
     monkeypatch.setattr(
-        "archo_tui.session.session.Session", lambda options: SimpleNamespace(options=options)
+        "archo_tui.console.attached.attached", lambda session: session() or graph.attach()
     )
     assert main(line.split()) == 0
-    assert asked[0].engine == "ros2"
-    assert (asked[0].namespace, asked[1]) == (namespace, ["stop"])
+    assert (made[0].engine, made[0].namespace, graph.asked) == ("ros2", namespace, [["stop"]])
     assert "trying to send STOP anyway\n" in capsys.readouterr().err
 
 
