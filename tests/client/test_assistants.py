@@ -29,7 +29,7 @@ from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.plain import Typed
 from tests.support.robot import making
-from tests.support.shells import Raw, heard, own_socket, raw, served, until
+from tests.support.shells import Raw, guest, heard, own_socket, raw, served, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -380,14 +380,6 @@ async def test_a_no_is_followed_by_a_pause_and_hides_no_alarm() -> None:
         await op.until("LOW BATTERY")
 
 
-async def test_what_waits_is_withdrawn_by_cancel() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await asks(assistant)
-        said = await says(assistant, "cancel")
-        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
-        assert person.station.approvals.answer(1, allowed=True).text == "request 1 is void"
-
-
 async def test_each_request_tells_of_its_own_goal_and_once_allowed_is_once() -> None:
     async with at_a_terminal(*FAST) as (person, assistant):
         for number, shelf in ((1, 5), (2, 6)):
@@ -403,19 +395,6 @@ async def test_each_request_tells_of_its_own_goal_and_once_allowed_is_once() -> 
         assert len(person.station.robot.snapshot.history) == 2
 
 
-async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
-        snapshot = person.station.robot.snapshot
-        await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
-        await asks(assistant)
-        other = await raw()
-        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
-        await allows(person)
-        await heard(person, "Shelf: at most 10, not 12")
-        assert person.station.robot.snapshot.history == snapshot.history == ()
-        other.close()
-
-
 async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
     async with beside(*FAST) as (op, assistant):
         for shelf in (1, 2, 3):
@@ -426,16 +405,7 @@ async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
         await op.until("+2 requests")
 
 
-async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
-        await asks(assistant)
-        await allows(person)
-        await heard(person, "MOVING to 12")
-        assistant.close()
-        await heard(person, "CANCELLED")
-
-
-async def test_it_cancels_its_own_goals_only() -> None:
+async def test_it_cancels_its_own_goals_only_and_the_last_by_leaving() -> None:
     async with at_a_terminal(*LONG) as (person, assistant):
         person.type("go 3\n")
         await heard(person, "MOVING to 3")
@@ -452,76 +422,32 @@ async def test_it_cancels_its_own_goals_only() -> None:
         assert (await says(assistant, "cancel"))["code"] == "accepted"
         ended = await says(assistant, "wait", "request", "1")
         assert ended["code"] == "cancelled"
-
-
-OTHERS = [
-    ["go", "12"],
-    ["release", "--yes"],
-    ["set", "motor_controller", "max_speed", "1"],
-    ["charge"],
-    ["allow", "1"],
-    ["call", "/reset_encoder"],
-    ["continue"],
-    ["cancel", "--all"],
-    ["save", "x"],
-    ["halt", "motor_controller"],
-    ["status", "--yes"],
-]
-
-
-async def test_it_has_no_other_verbs() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
         await asks(assistant)
-        for words in OTHERS:
-            said = await says(assistant, *words)
-            assert said["code"] in ("refused", "misuse"), words
-            # what was an assistant once is one to its end
-            said = await assistant.ask(*words)
-            assert said["code"] in ("refused", "misuse"), words
-            assert person.station.robot.snapshot.goal is None
+        await allows(person, 2)
+        await until(lambda: person.said.count("MOVING to 12") == 2)
+        assistant.close()
+        await until(lambda: person.said.count("goal CANCELLED") == 3)
 
 
-MISUSED = [
-    (None, "kind: the goals of this robot are go"),
-    ({"kind": "fly"}, "kind: the goals of this robot are go"),
-    ({"kind": "go"}, "values: expected an object, by name"),
-    ({"kind": "go", "values": {}}, "Shelf: type a value"),
-    ({"kind": "go", "values": {"place": 1}}, "expected shelf=..., not place=1"),
-    ({"kind": "go", "values": {"shelf_number": 1, "Shelf": 2}}, "not Shelf=2"),
-    ({"kind": "go", "values": {"shelf_number": [1]}}, "not a whole number: [1]"),
-    ({"kind": "go", "values": {"shelf_number": None}}, "not a whole number"),
-    ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
-    ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
-    ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
-    ({"kind": "go", "values": {"shelf_number": 0}}, "Shelf: at least 1, not 0"),
-]
-
-
-async def test_what_cannot_be_meant_is_said_and_nobody_is_asked() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
-        for wanted, why in MISUSED:
-            said = await asks(assistant, wanted)
-            assert (said["code"], why in said["text"]) == ("misuse", True), said
-            assert waiting(person) == []
-        (goal,) = (await says(assistant, "goals"))["data"]
-        about = {"type": "int32", "label": "Shelf", "low": 1, "high": 40}
-        assert (goal["kind"], goal["values"]) == ("go", {"shelf_number": about})
-
-
-async def test_a_request_waits_for_limits_that_were_not_reported_yet(
+async def test_limits_hold_that_come_before_the_answer_and_are_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
+    async with at_a_terminal(*LONG) as (person, assistant), guest() as other:
+        robot = person.station.robot
+        await until(lambda: robot.snapshot.parameter("shelf_count"))
+        count = "set", "motor_controller", "shelf_count"
+        await asks(assistant)
+        assert (await other.ask(*count, "10"))["code"] == "done"
+        await allows(person)
+        await heard(person, "Shelf: at most 10, not 12")
+        assert (await other.ask(*count, "40"))["code"] == "done"
         known = threading.Event()
-        monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())
+        monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())  # not reported yet
         assistant.send({"id": 1, "assistant": True, "ask": GO})
-        other = await raw()
-        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        assert (await other.ask(*count, "10"))["code"] == "done"
         known.set()
         assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
-        other.close()
+        assert (robot.snapshot.goal, robot.snapshot.history) == (None, ())
 
 
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
@@ -541,25 +467,68 @@ async def test_nobody_is_asked_who_only_watches() -> None:
         assert said["text"].startswith("watching only")
 
 
-async def test_no_motion_without_a_yes_whatever_is_called(
+OTHERS = [
+    ["go", "12"],
+    ["release", "--yes"],
+    ["set", "motor_controller", "max_speed", "1"],
+    ["charge"],
+    ["allow", "1"],
+    ["call", "/reset_encoder"],
+    ["continue"],
+    ["cancel", "--all"],
+    ["save", "x"],
+    ["halt", "motor_controller"],
+    ["status", "--yes"],
+]
+MISUSED = [
+    (None, "kind: the goals of this robot are go"),
+    ({"kind": "fly"}, "kind: the goals of this robot are go"),
+    ({"kind": "go"}, "values: expected an object, by name"),
+    ({"kind": "go", "values": {}}, "Shelf: type a value"),
+    ({"kind": "go", "values": {"place": 1}}, "expected shelf=..., not place=1"),
+    ({"kind": "go", "values": {"shelf_number": 1, "Shelf": 2}}, "not Shelf=2"),
+    ({"kind": "go", "values": {"shelf_number": [1]}}, "not a whole number: [1]"),
+    ({"kind": "go", "values": {"shelf_number": None}}, "not a whole number"),
+    ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
+    ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
+    ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
+    ({"kind": "go", "values": {"shelf_number": 0}}, "Shelf: at least 1, not 0"),
+]
+WORDS = [
+    *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
+    *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
+]
+VALUES: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
+
+
+async def test_without_a_yes_nothing_moves_whatever_is_said(
     request: pytest.FixtureRequest,
 ) -> None:
-    calls = 10_000 if request.config.getoption("--night") else 100
-    choose = Random(11)
-    words = [
-        *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
-        *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
-    ]
-    values: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
     async with at_a_terminal(*FAST) as (person, assistant):
-        for _ in range(calls):
+        await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
+        for wanted, why in MISUSED:
+            said = await asks(assistant, wanted)
+            assert (said["code"], why in said["text"]) == ("misuse", True), said
+            assert waiting(person) == []  # nobody is asked
+        (goal,) = (await says(assistant, "goals"))["data"]
+        about = {"type": "int32", "label": "Shelf", "low": 1, "high": 40}
+        assert (goal["kind"], goal["values"]) == ("go", {"shelf_number": about})
+        await asks(assistant)
+        for words in OTHERS:
+            for said in (await says(assistant, *words), await assistant.ask(*words)):
+                # what was an assistant once is one to its end
+                assert said["code"] in ("refused", "misuse"), words
+        assert waiting(person) == [1]
+        said = await says(assistant, "cancel")
+        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
+        assert person.station.approvals.answer(1, allowed=True).text == "request 1 is void"
+        choose = Random(11)
+        for _ in range(10_000 if request.config.getoption("--night") else 100):
             if choose.random() < 0.5:
-                kind = choose.choice(["go", "fly", None])
-                await asks(
-                    assistant, {"kind": kind, "values": {"shelf_number": choose.choice(values)}}
-                )
+                kind, value = choose.choice(["go", "fly", None]), choose.choice(VALUES)
+                await asks(assistant, {"kind": kind, "values": {"shelf_number": value}})
             else:
-                await says(assistant, *choose.choice(words), timeout=0.001)
+                await says(assistant, *choose.choice(WORDS), timeout=0.001)
         snapshot = person.station.robot.snapshot
         assert (snapshot.goal, snapshot.history) == (None, ())
 
