@@ -199,49 +199,36 @@ async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() 
         assert not station.queue.waiting
 
 
-@pytest.mark.parametrize("silent", [1, 3])
-async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
-    silent: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("unanswered", "gives_up", "asked", "said"),
+    [
+        (1, False, 2, "CANCELLED"),
+        (3, False, 3, "which has left, may still run: no answer to the cancel in 2 s"),
+        # ROS rejects a second cancel while a goal winds down: the accepted one is the only one.
+        (0, True, 1, "CANCELLED"),
+    ],
+)
+async def test_a_cancel_for_one_that_has_left_is_repeated_until_it_is_answered_then_said(
+    unanswered: int, gives_up: bool, asked: int, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person.station.robot, 0
-        cancel = robot.cancel
-
-        async def unheard(*, another: bool = False) -> Outcome:
-            nonlocal asked
-            asked += 1
-            if asked > silent:
-                return await cancel(another=another)
-            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
-
-        monkeypatch.setattr(robot, "cancel", unheard)
-        one.send({"id": 1, "words": ["go", "12"], "wait": True})
-        assert (await one.line())["said"] == "accepted"
-        one.close()
-        said = "which has left, may still run: no answer to the cancel in 2 s"
-        await heard(person, said if silent == 3 else "CANCELLED")
-        assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
-
-
-async def test_a_goal_whose_cancel_was_accepted_is_not_said_to_run_on(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person.station.robot, 0
+        robot, cancels = person.station.robot, list[bool]()
         cancel = robot.cancel
 
         async def counted(*, another: bool = False) -> Outcome:
-            nonlocal asked
-            asked += 1  # ROS rejects a second one while a goal winds down.
-            return await cancel(another=another)
+            cancels.append(another)
+            if len(cancels) > unanswered:
+                return await cancel(another=another)
+            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
 
         monkeypatch.setattr(robot, "cancel", counted)
         one.send({"id": 1, "words": ["go", "12"], "wait": True})
         assert (await one.line())["said"] == "accepted"
-        one.send({"give_up": True})  # And again, as it leaves.
+        if gives_up:
+            one.send({"give_up": True})  # And again, as it leaves.
         one.close()
-        await heard(person, "CANCELLED")
-        assert (asked, "may still run" in person.said) == (1, False)
+        await heard(person, said)
+        assert (len(cancels), "may still run" in person.said) == (asked, "may" in said)
 
 
 async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
@@ -348,28 +335,9 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
     assert str(folder) in said.err
 
 
-async def test_another_users_program_is_not_even_greeted(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with served(ros_args=FAST) as person:
-        with monkeypatch.context() as patch:
-            patch.setattr(
-                "archo_tui.console.socket._pid_and_uid", lambda _: (4711, os.getuid() + 1)
-            )
-            one = await raw()
-            one.send({"id": 1, "words": ["stop"]})
-            assert await one.line() == {}
-        assert "STOP" not in person.said
-        await goes_on(person)
-
-
-async def test_the_socket_and_its_folder_are_ours_alone_and_go_with_the_console() -> None:
-    async with served(ros_args=FAST):
-        path = Path(own_socket())
-        assert stat.S_IMODE(path.stat().st_mode) == 0o600
-        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
-    assert not path.exists()
-
-
-async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_socket_is_this_users_alone_listens_once_it_is_seen_and_goes_with_the_console(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     listen, seen = socket.socket.listen, []
 
     def watched(made: socket.socket, *given: int) -> None:
@@ -379,8 +347,20 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(socket.socket, "listen", watched)
     async with served(ros_args=FAST) as person:
+        assert seen[0] == []
+        path = Path(own_socket())
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+        with monkeypatch.context() as patch:  # Another user's program.
+            patch.setattr(
+                "archo_tui.console.socket._pid_and_uid", lambda _: (4711, os.getuid() + 1)
+            )
+            one = await raw()
+            one.send({"id": 1, "words": ["stop"]})
+            assert await one.line() == {}  # It is not even greeted.
+        assert "STOP" not in person.said
         await goes_on(person)
-    assert seen[0] == []
+    assert not path.exists()
 
 
 def _listens(name: str) -> socket.socket:

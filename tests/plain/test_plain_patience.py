@@ -85,27 +85,8 @@ async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
         assert seconds() - began < 2.0
 
 
-class LateSubscriber(Node):
-    """Subscribes to `words` 3 s after the start."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("late", **options)
-        self.timer = self.create_timer(3.0, self.subscribe)
-
-    def subscribe(self) -> None:
-        self.timer.cancel()
-        self.create_subscription(String, "words", lambda _: None, 10)
-
-
-@pytest.mark.parametrize("kind", ["", "std_msgs/msg/String "])
-async def test_a_topic_of_a_robot_elsewhere_is_waited_for(kind: str) -> None:
-    async with operated(LateSubscriber) as person:
-        person.station.attached = True
-        await person.enter(f"pub words {kind}data=x --yes", "pub words: published; 1 subscriber\n")
-
-
 class Late(Node):
-    """Offers its service 3 s after the start."""
+    """Offers its service and subscribes to `words` 3 s after the start."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("late", **options)
@@ -114,6 +95,7 @@ class Late(Node):
     def offer(self) -> None:
         self.timer.cancel()
         self.create_service(ResetEncoder, "reset_encoder", self.reset)
+        self.create_subscription(String, "words", lambda _: None, 10)
 
     def reset(
         self, request: ResetEncoder.Request, response: ResetEncoder.Response
@@ -122,10 +104,21 @@ class Late(Node):
         return response
 
 
-async def test_what_is_offered_some_seconds_after_the_start_is_waited_for() -> None:
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("reset", "late is better than never"),
+        ("pub words data=x --yes", "pub words: published; 1 subscriber\n"),
+        ("pub words std_msgs/msg/String data=x --yes", "pub words: published; 1 subscriber\n"),
+    ],
+)
+async def test_what_is_there_some_seconds_after_the_start_is_waited_for(
+    line: str, said: str
+) -> None:
     async with operated(Late) as person:
-        await person.enter("reset", "late is better than never")
-    assert "not offered" not in person.said
+        person.station.attached = line != "reset"  # A topic: of a robot elsewhere.
+        await person.enter(line, said)
+        assert "failed" not in person.said
 
 
 async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:

@@ -53,12 +53,18 @@ async def publishing(
     heard: list[Any] = []
     async with operated(hearing(heard, kind), *makers, **options) as person:
         await is_seen(person)
-        robot = person.station.robot
-        while line and len(heard) < 4:  # A pause of a busy machine ends it: then it begins again.
-            person.type(f"pub words {line}\n")
-            await until(lambda: robot.publications.active)
-            await until(lambda: len(heard) > 3 or not robot.publications.active)
+        if line:
+            await publish(person, heard, line)
         yield person, heard
+
+
+async def publish(person: Typed, heard: list[Any], line: str) -> None:
+    """Publish until some messages are heard; a pause of a busy machine ends it: then once more."""
+    publications, before = person.station.robot.publications, len(heard)
+    while len(heard) < before + 4:
+        person.type(f"pub words {line}\n")
+        await until(lambda: publications.active)
+        await until(lambda: len(heard) > before + 3 or not publications.active)
 
 
 async def is_seen(person: Typed) -> None:
@@ -179,14 +185,6 @@ def test_two_publications_of_one_topic_are_one_row() -> None:
     assert [(row.name, row.publishes) for row in rows] == [("pub /words", "at 10 Hz and at 2 Hz")]
 
 
-async def test_in_a_pipe_a_cancel_ends_it() -> None:
-    async with publishing("data=x --rate 10 --yes") as (person, _heard):
-        person.type("cancel\nnodes\n")
-        await person.until("pub words: ended after")
-        await person.until("hearing up")
-        assert "pub /words" not in person.said
-
-
 async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
     async with publishing("data=x --rate 50 --yes", MotorController) as (person, heard):
         await person.enter("stop", "STOP: confirmed")
@@ -200,9 +198,27 @@ async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> 
         await until(lambda: heard[-1] == "y")
 
 
-async def test_the_end_of_the_console_ends_it() -> None:
-    async with publishing("data=x --rate 50 --yes") as (person, _heard):
+async def test_a_cancel_a_pause_and_the_end_of_the_console_end_it() -> None:
+    always = "data=x --rate 50 --yes"
+    async with publishing(always) as (person, heard):
         robot = person.station.robot
+        person.type("cancel\nnodes\n")
+        await person.until("pub words: ended after")
+        await person.until("hearing up")
+        assert "pub /words" not in person.said
+        await publish(person, heard, always)
+        (publication,) = robot.publications.active
+        publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
+        await person.until("failed: pub: ended by a pause of the console after")
+        count, later = len(heard), seconds() + 1.0
+        await until(lambda: seconds() > later)
+        assert len(heard) == count
+        await publish(person, heard, always)
+        with robot.thread._lock:  # The signal comes while this thread hands over a request.
+            robot.end_publications_now()
+        robot.end_publications_now()  # It does not hang.
+        await until(lambda: not robot.publications.active)
+        await publish(person, heard, always)
         await robot.stop_sending_goals()
         assert robot.publications.active == ()
         await person.until("ended by the end of the console")
@@ -229,28 +245,6 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
         assert set(heard[:-1]) == {0.5}
         await person.enter("pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
         await until(lambda: heard[-1] == 0.3)  # One message is meant as it is typed.
-
-
-async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
-    async with publishing("data=x --rate 50 --yes") as (person, heard):
-        (publication,) = person.station.robot.publications.active
-        publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
-        await person.until("failed: pub: ended by a pause of the console after")
-        count, later = len(heard), seconds() + 1.0
-        await until(lambda: seconds() > later)
-        assert len(heard) == count
-
-
-async def test_a_suspension_in_the_middle_of_a_request_does_not_hang_the_console() -> None:
-    async with operated(hearing([])) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 50 --yes\n")
-        robot = person.station.robot
-        await until(lambda: robot.publications.active)
-        with robot.thread._lock:  # The signal comes while this thread hands over a request.
-            robot.end_publications_now()
-        robot.end_publications_now()
-        await until(lambda: not robot.publications.active)
 
 
 async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
