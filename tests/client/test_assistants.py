@@ -256,7 +256,7 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
 
 
 @pytest.mark.parametrize("size", corners([(20, 4)], [(30, 6), (40, 10)]))
-async def test_what_is_not_all_in_view_is_allowed_only_once_it_was_scrolled_to_its_end(
+async def test_what_is_not_all_in_view_is_allowed_only_once_it_was_scrolled(
     size: tuple[int, int],
 ) -> None:
     async with beside(*LONG) as (op, assistant):

@@ -12,7 +12,7 @@ from archo_tui.cli import main
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from tests.support.console import FAST, LONG
-from tests.support.shells import Graph, heard, raw, said, served, typed
+from tests.support.shells import Graph, guest, heard, said, served, typed
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -125,23 +125,23 @@ async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
             assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
 
 
-async def test_a_person_who_says_no_in_time_has_answered() -> None:
-    async with served(ros_args=FAST):
+async def test_a_question_ends_with_a_no_with_its_time_and_with_whoever_was_asked() -> None:
+    async with served(ros_args=FAST), guest() as client:
         await typed("stop")
-        client = await raw()
-        await client.line()
-        release = {"id": 1, "words": ["release"], "person": True}
-        for timeout, code, text in (
-            (DEADLINE, "cancelled", "stay stopped"),
-            (0.1, "ran_out", "not within 0.1 s: nobody has answered"),
+        for timeout, says, code, text in (
+            (DEADLINE, {"answer": False}, "cancelled", "stay stopped"),
+            (0.1, {}, "ran_out", "not within 0.1 s: nobody has answered"),
+            (None, {"give_up": True}, "cancelled", "stay stopped"),
         ):
-            client.send({**release, "timeout": timeout})
-            assert "Release the stop?" in (await client.line())["ask"]
-            if code == "cancelled":
-                client.send({"answer": False})
+            release = {"id": 1, "words": ["release"], "person": True, "timeout": timeout}
+            client.send(release)
+            asked = await client.line()
+            assert ("Release the stop?" in asked["ask"], asked["go"]) == (True, "Release")
+            if says:
+                client.send(says)
             result = await client.result()
             assert (result["code"], result["text"]) == (code, text)
-        client.close()
+        assert (await client.ask("release", "--yes"))["code"] == "done"  # Nothing was released.
 
 
 @pytest.mark.parametrize("wrong", ["--bogus", "--engine ros3", "--only", "--ros-args -p a:=b --"])

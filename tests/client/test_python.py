@@ -50,7 +50,7 @@ async def does(work: Callable[[Robot], Any]) -> Any:
     return await asyncio.to_thread(run)
 
 
-async def test_the_state_is_typed_and_measured() -> None:
+async def test_the_state_is_typed_and_measured_and_events_come_until_their_time() -> None:
     async with served(ros_args=FAST):
         status = await does(lambda robot: robot.status())
         assert status.robot == "ARCHO"
@@ -60,6 +60,14 @@ async def test_the_state_is_typed_and_measured() -> None:
         goal = await does(lambda robot: robot.go(12, 7).wait())
         assert (goal.name, goal.code, goal.values) == ("shelf 7", "arrived", {"shelf_number": 7})
         assert (await does(lambda robot: robot.status())).goal.code == "arrived"
+
+        def listened(robot: Robot) -> list[str]:
+            events = robot.events(timeout=1.5)
+            robot.go(12).wait()
+            return [event["text"] for event in events]
+
+        # They end with their time, and none behind the call is lacking.
+        assert "Arrived at shelf 12" in await does(listened)
 
 
 class Named(Node):
@@ -243,17 +251,6 @@ async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered(
         assert len(robot._handles) == 1
 
 
-async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_call() -> None:
-    async with served(ros_args=FAST):
-
-        def listened(robot: Robot) -> list[str]:
-            events = robot.events(timeout=1.5)
-            robot.go(12).wait()
-            return [event["text"] for event in events]
-
-        assert "Arrived at shelf 12" in await does(listened)
-
-
 REPL = """
 import json, signal, sys, threading, archo_tui
 from archo_tui.client import connection, find
@@ -377,7 +374,7 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
         await asyncio.to_thread(goal.cancel)
 
 
-async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
+async def test_a_goal_of_a_program_that_has_gone_or_no_time_is_not_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     has_left, gone = threading.Event(), RequestHandler.on_client_left
@@ -396,17 +393,10 @@ async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
             program.send(json.dumps(request).encode() + b"\n")
         assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
         await typed("wait", "idle")
-        assert "go to shelf 12: accepted" not in person.said
-        assert (await does(lambda robot: robot.status())).goal is None
-
-
-async def test_what_is_sent_after_its_time_is_not_sent() -> None:
-    async with served(ros_args=LONG) as person:
-        await typed("wait", "ready")
         with pytest.raises(RanOut):
             await does(lambda robot: robot.do("go", "12", timeout=0))
-        assert (await does(lambda robot: robot.status())).goal is None
         assert "go to shelf 12: accepted" not in person.said
+        assert (await does(lambda robot: robot.status())).goal is None
 
 
 # consoles that hang or go

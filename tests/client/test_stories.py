@@ -263,7 +263,7 @@ async def test_what_cannot_be_done_is_said_alike_by_lines_shell_and_python() -> 
 ENDED = "the goal that was asked about has ended"
 
 
-async def test_a_question_about_a_goal_closes_with_it_and_the_line_read_for_it_is_carried_out(
+async def test_a_question_closes_with_its_goal_and_the_line_read_meanwhile_is_carried_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with served(ros_args=LONG, at_terminal=True) as person:
