@@ -24,6 +24,7 @@ HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection a
 # Seconds without a message after which the console is asked whether it still answers.
 _SILENCE = 10.0
 _SEND_TIMEOUT = 15.0  # Seconds that a suspended console, which reads nothing, may hold a message.
+_LONGEST_LINE = 1 << 26  # Bytes of a message; a whole point cloud as JSON is shorter.
 # Seconds behind a `timeout` for the result: a console calls off for 3 s, and reports it then.
 _CALL_OFF_TIMEOUT = 5.0
 
@@ -136,6 +137,8 @@ class Connection:
                     self._test_answering()
                 continue
             if reply.get("id") in (number, None) and "protocol" not in reply:
+                if "code" in reply and not (_is_text(reply, "code") and _is_text(reply, "text")):
+                    raise Unreached(GONE)  # What is broken counts as ended, as in `replies`.
                 yield reply
             else:
                 reply = {}
@@ -172,6 +175,8 @@ class Connection:
                 if not chunk:
                     break
                 self._buffer += chunk
+                if len(self._buffer) > _LONGEST_LINE and b"\n" not in chunk:
+                    break
                 if end is not None and time.monotonic() > end and b"\n" not in chunk:
                     raise TimeoutError
         except TimeoutError:
@@ -224,6 +229,10 @@ class Connection:
     def __del__(self) -> None:
         with contextlib.suppress(AttributeError):  # It was never made.
             self.close()  # An iterator over events was never begun.
+
+
+def _is_text(reply: dict[str, Any], name: str) -> bool:
+    return isinstance(reply.get(name), str)
 
 
 def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:

@@ -166,7 +166,8 @@ class GoalDriver:
             ends = {first + place: loop.create_future() for place in range(len(goals))}
             self._ends |= ends
             requester.ends += ends.values()
-        after = self.queue.submit(goals, self._snapshot)
+        is_stopped = self._snapshot.is_stopped or not self._robot.stops.are_answered
+        after = self.queue.submit(goals, self._snapshot, is_stopped=is_stopped)
         if after.coming is None or after.coming.goal.number != first:
             held = f", held: {after.hold_reason}" if after.hold_reason else ""
             answer.set_result(Outcome(Code.ACCEPTED, f"queued{held}"))

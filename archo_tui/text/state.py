@@ -21,6 +21,7 @@ ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.
 BARS = "▁▂▃▄▅▆▇█"  # Of a curve in one line, the lowest first.
 Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
+_LATE = 3.0  # Seconds: a reading of every second that is older counts as old.
 STILL_MOVING = "✗ STILL MOVING"  # The state of a robot that reports a stop, and moves.
 
 
@@ -100,6 +101,13 @@ def age_text(seconds: float) -> str:
     return f"{seconds / 3600:.1f} h" if seconds < 35_000 else f"{seconds / 3600:.0f} h"
 
 
+def late_text(received: float | None, now: float) -> str:
+    """Return the age of a reading whose topic is slow, as `6 s ago`; "" within 3 s."""
+    if received is None or now - received <= _LATE:
+        return ""
+    return f"{now - received:.0f} s ago"  # Tenths would be drawn at each snapshot.
+
+
 def seconds_text(seconds: float) -> str:
     """Return a duration in seconds with one decimal, such as `1.5 s`; `0.0 s` if it is negative."""
     return f"{max(seconds, 0.0):.1f} s"
@@ -138,7 +146,11 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
     if battery.unreadable:
         return ((f"{glyph} {word}", tone),)
     volts = f" {fixed_width(battery.voltage, '4.1f')} V"
-    return (f"{glyph} {word:<8}", tone), (f" {charge}", PLAIN), (volts, PLAIN)
+    line = [(f"{glyph} {word:<8}", tone), (f" {charge}", PLAIN), (volts, PLAIN)]
+    if late := late_text(battery.received, now):
+        fits = len(f"{glyph} {word:<8} {charge}{volts} {late}") <= width
+        line[len(line) if fits else 2 :] = [(f" {late}", OLD)]  # Its age is worth more than V.
+    return tuple(line)
 
 
 def charge_bar(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
@@ -229,9 +241,10 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     if snapshot.latch is Latch.HELD and motion.stopped is False and not motion.moving:
         text = "✗ STOP CONFIRMED, not reported by the robot"
         word = (text if len(text) <= width else "✗ STOP CONFIRMED", BAD)
-    stop = snapshot.file.stop
+    stop, late = snapshot.file.stop, late_text(motion.received, now)
     no_stop = "" if stop is None else snapshot.unavailable(stop.service)
-    return (word, (f"   no STOP: {no_stop}", BAD)) if no_stop else (word,)
+    behind = (f"   no STOP: {no_stop}" if no_stop else "", BAD), (f"  {late}" if late else "", OLD)
+    return word, *(span for span in behind if span[0])
 
 
 def gauge_line(reading: GaugeReading, now: float) -> Spans:

@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 
 from archo_tui.client import connection, find, sockets
+from archo_tui.client.errors import Unreached
+from archo_tui.client.protocol import GONE
 from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.stop import sender
@@ -385,7 +387,15 @@ async def test_a_console_whose_card_names_nothing_holds_up_no_stop(
             assert (await typed("status")).code == 3  # it may be the one that is meant
 
 
-def test_a_console_whose_line_never_ends_holds_up_no_verb_and_no_stop() -> None:
+@pytest.mark.parametrize(
+    ("timeout", "error"),
+    [(0.2, connection.UNANSWERED), (None, GONE)],
+    ids=["until its time", "up to a length"],
+)
+def test_a_console_whose_line_never_ends_holds_up_no_verb_and_no_stop(
+    timeout: float | None, error: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connection, "_LONGEST_LINE", 10**9 if timeout else 10**6)
     ours, theirs = socket.socketpair()
 
     def flood() -> None:
@@ -395,10 +405,19 @@ def test_a_console_whose_line_never_ends_holds_up_no_verb_and_no_stop() -> None:
 
     flooding = threading.Thread(target=flood, daemon=True)
     flooding.start()
-    with connection.Connection("", ours) as console, pytest.raises(connection.Silent):
-        next(console.replies(0.2))
+    with connection.Connection("", ours) as console, pytest.raises(Unreached, match=error):
+        next(console.replies(timeout))
     flooding.join(DEADLINE)
     assert not flooding.is_alive()
+
+
+@pytest.mark.parametrize("rest", ['"code": "done"', '"code": 7, "text": ""'])
+def test_a_result_that_is_none_counts_as_an_end(rest: str) -> None:
+    ours, theirs = socket.socketpair()
+    with theirs, connection.Connection("", ours) as console:
+        theirs.sendall(f'{{"id": 1, {rest}}}\n'.encode())
+        with pytest.raises(Unreached, match=GONE):
+            console.result(words=["status"])
 
 
 async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(

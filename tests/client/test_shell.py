@@ -21,6 +21,7 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
 from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
+from tests.robot.test_broken_stop import Driver
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
 from tests.support.robot import making
@@ -63,6 +64,16 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         await heard(person, "Arrived at shelf 3")
         await heard(person, "left out of the queue: 5 (nobody waits for it any more)")
         assert [goal.text for goal in station.queue.waiting] == ["7"]
+
+
+async def test_a_goal_behind_a_stop_that_is_refused_is_said_to_be_held() -> None:
+    drivers: list[Driver] = []
+    async with served(making(drivers, Driver, "no", heeds=False)) as person:
+        assert (await typed("go", "12")).code == 0
+        assert (await typed("stop")).code == 1
+        assert await typed("go", "7") == (0, "", "queued, held: STOP\n")
+        drivers[0].heeds = True
+        await heard(person, "called back")
 
 
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:

@@ -79,6 +79,7 @@ async def test_ten_thousand_log_lines_a_second() -> None:
         talker.destroy_node()
 
 
+@pytest.mark.night
 async def test_a_thousand_battery_readings_a_second() -> None:
     async with console(*FAST[:4]) as op:
         meter = Node("meter", context=op.session.context)
@@ -145,6 +146,7 @@ async def test_dozens_of_nodes_with_twenty_parameters_each() -> None:
                 node.destroy_node()
 
 
+@pytest.mark.night
 async def test_a_parameter_of_a_megabyte_and_strange_letters() -> None:
     async with console(*FAST) as op:
         guest = op.session.host.nodes[1].node

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
@@ -158,6 +159,20 @@ def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
     terminal.write("\x18")
     os.kill(replay, signal.SIGCONT)
     terminal.until("STOP: confirmed")
+
+
+def test_a_stop_pressed_as_the_console_ends_is_sent(playing: Callable[..., Terminal]) -> None:
+    terminal = playing()
+    replay = _replay_of(terminal)
+    os.kill(replay, signal.SIGSTOP)  # It is slow to end.
+    terminal.kill(signal.SIGTERM)
+    state = Path(f"/proc/{replay}/status")
+    terminal.until(lambda: _has_pending(state, signal.SIGTERM))
+    terminal.write("\x18")
+    os.kill(replay, signal.SIGCONT)
+    assert terminal.exit_code() == 128 + signal.SIGTERM
+    lines = map(json.loads, state_file("journal.jsonl").read_text().splitlines())
+    assert ("stop", "done") in [(line.get("verb"), line.get("code")) for line in lines]
 
 
 def test_one_that_is_killed_leads_back_and_says_so(playing: Callable[..., Terminal]) -> None:

@@ -174,7 +174,7 @@ def type_list(world: World) -> World:
     ]
     typed = tuple((number + place, number, client) for place in range(length))
     world = world._replace(to_type=tuple(rest), typed=(*world.typed, *typed))
-    return done(world, world.queue.submit(goals, shown(world)))
+    return done(world, world.queue.submit(goals, shown(world), is_stopped=world.is_stopped))
 
 
 def begin_sending(world: World) -> World:

@@ -163,6 +163,14 @@ def test_a_queue_that_is_held_on_is_told_once() -> None:
     assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
 
 
+def test_behind_a_goal_that_a_stop_ends_the_next_is_held() -> None:
+    driving = Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING))
+    waiting, _ = look(queue(), driving)
+    assert waiting.submit([target(7)], driving, is_stopped=True).hold_reason == "STOP"
+    sent = waiting.submit([target(7)], ARRIVED, is_stopped=True)  # The robot's side refuses it.
+    assert (sent.hold_reason, stage(sent, 2)) == ("", Stage.ON_ITS_WAY)
+
+
 def running(number: int, *, mine: bool) -> Goal:
     return Goal(SHELF, {"shelf_number": 1}, Phase.MOVING, 0.0, 0.0, mine=mine, number=number)
 

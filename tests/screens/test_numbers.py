@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -11,8 +12,10 @@ from archo_tui.robot.state.graph import NodeState, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
+from archo_tui.text import line_by_line
 from archo_tui.text.state import PLAIN, charge_bar, marked_tone, plain_text
 from tests.support.clock import NOW, TIME
+from tests.support.console import screen_text
 from tests.support.night import corners
 from tests.support.quiet import Quiet
 from tests.support.states import MOVING, NORMAL
@@ -106,3 +109,17 @@ def test_the_low_mark_is_drawn_on_the_bar(percentage: float | None) -> None:
     assert len(plain_text(bar)) == 40
     ((_, tone),) = [(text, tone) for text, tone in bar if "╎" in text]
     assert tone == marked_tone("active" if (percentage or 0) > 20 else "edge")
+
+
+async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> None:
+    slow = NORMAL._replace(
+        battery=NORMAL.battery._replace(received=NOW - 6.7, period=6.0),
+        motion=replace(NORMAL.motion, received=NOW - 4.2, period=6.0),
+    )
+    assert line_by_line.battery_text(slow, NOW).endswith("24.1 V, 7 s ago")
+    assert line_by_line.motion_text(slow, NOW).startswith("IDLE, 4 s ago, ")
+    app = stub_app(slow, StandingClock(), size=(80, 24))
+    async with app.run_test(size=(80, 24)):
+        await Quiet(app).settle()
+        assert re.search(r"● GOOD +87.5 % +7 s ago", screen_text(app))
+        assert "● IDLE  4 s ago" in screen_text(app)

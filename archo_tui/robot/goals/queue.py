@@ -118,12 +118,17 @@ class GoalQueue(NamedTuple):
     # What the operator or a client does.
 
     def submit(
-        self, goals: Sequence[QueuedGoal], snapshot: Snapshot, *, may_send: bool = True
+        self,
+        goals: Sequence[QueuedGoal],
+        snapshot: Snapshot,
+        *,
+        may_send: bool = True,
+        is_stopped: bool = False,
     ) -> GoalQueue:
         """Take the goals of one line.
 
         If no goal runs or is on its way, the first one goes before all that wait, also if these are
-        held.
+        held. If one runs, they are held at once where a STOP will hold them.
         """
         first = self.submitted + 1
         goals = [
@@ -133,7 +138,9 @@ class GoalQueue(NamedTuple):
         after = self._replace(submitted=self.submitted + len(goals))
         if may_send and self._is_free(snapshot):
             after = after._send(goals.pop(0), snapshot, waited=False)
-        return after._replace(waiting=(*after.waiting, *goals))._tell_held(goals)
+            is_stopped = False  # The answer to the first one says what comes of the others.
+        after = after._replace(waiting=(*after.waiting, *goals))._tell_held(goals)
+        return after._hold("STOP") if is_stopped else after
 
     def resume(self, stop_count: int) -> GoalQueue:
         """Continue; the goals count as typed now, so that only a later STOP holds them."""

@@ -36,6 +36,7 @@ class ShowAlarms(Command):
 
 
 class ListDiagnostics(Command):
+    in_replay = True
     id, verbs = "diagnostics", ("diagnostics", "forget")
     help = ShowDiagnostics.help
 

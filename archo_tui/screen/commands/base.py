@@ -403,6 +403,7 @@ class Command:
     waits_for_answer: bool = False  # Not run before its answer, or for a held key.
     resend_after: float = 0.0  # Seconds until a held key runs it again.
     verbs: tuple[str, ...] = ()  # Those that it runs, or that print what it shows.
+    in_replay: bool = False  # It changes nothing of a robot, so a replay has it, too.
     is_listed: bool = True  # On the panels, in `?` and in the palette.
     gives_way: bool = False  # A robot file or a keymap may take its key.
     from_file: str = ""  # `FILE:LINE` of the robot file that defines it.
@@ -487,6 +488,8 @@ def everywhere(command: Command, id: str, key: str, help: str) -> Command:
 
 
 class PanelKey(Command):
+    in_replay = True
+
     def __init__(self, panel: type[Panel], robot: RobotFile) -> None:
         self._number, self.key = panel.number, str(panel.number)
         self.id = f"panel_{panel.number}"

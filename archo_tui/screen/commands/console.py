@@ -33,6 +33,7 @@ class ToggleQuiet(Command):
 
 
 class Suspend(Command):
+    in_replay = True
     id, key = "suspend", "ctrl+z"
     help = "Suspend to the shell (fg brings it back); nodes started here pause meanwhile"
     where = EVERYWHERE

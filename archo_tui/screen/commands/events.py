@@ -8,6 +8,7 @@ from archo_tui.screen.widgets.events_panel import EventsPanel, event_details, ev
 
 
 class _InEvents(Command):
+    in_replay = True
     where, panel = IN_PANEL, EventsPanel
 
 
@@ -77,6 +78,7 @@ class ShowEvent(_OfEvent):
 
 
 class ShowHistory(Command):
+    in_replay = True
     id, key, verbs = "history", "h", ("history",)
     help = "Show the history on the full screen, or leave it"
 
@@ -86,6 +88,8 @@ class ShowHistory(Command):
 
 class ChangeSpan(Command):
     """A command that shows the next longer (1) or shorter (-1) time span of the history."""
+
+    in_replay = True
 
     def __init__(self, by: int) -> None:
         self._by = by

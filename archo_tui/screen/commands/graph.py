@@ -50,6 +50,7 @@ from archo_tui.text.topic import (
 
 
 class ShowResource(Command):
+    in_replay = True
     id, key, where, panel = "resource", "enter", IN_PANEL, GraphPanel
     help = (
         "Show the selected topic, its fields live, with plots and QoS; "

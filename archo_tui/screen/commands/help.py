@@ -20,6 +20,7 @@ from archo_tui.station.view import View
 
 
 class ShowHelp(Command):
+    in_replay = True
     id, key, footer = "help", "question_mark", "Help"
     help = "Show the keys of the panel with the focus, and below them all others"
 

@@ -85,6 +85,7 @@ class Restart(Command):
 
 
 class ShowNode(Command):
+    in_replay = True
     where, panel = IN_PANEL, NodesPanel
     id, key = "details", "enter"
     help = "Show the selected node: its topics, services and log level; after a crash, why"

@@ -20,6 +20,7 @@ from archo_tui.verbs.verb import Verb
 
 
 class OpenPalette(Command):
+    in_replay = True
     id, key = "palette", "ctrl+p"
     help = "Open the command palette: every command, parameter, node and topic"
     where = EVERYWHERE

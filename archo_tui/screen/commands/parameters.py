@@ -95,6 +95,7 @@ class SwitchBoolean(_SetCommand):
 
 
 class ToggleOnlyChanged(_InParameters):
+    in_replay = True
     id, key = "only_changed", "d"
     help = "Show only changed parameters: those that differ from the start; or all again"
 
@@ -103,6 +104,7 @@ class ToggleOnlyChanged(_InParameters):
 
 
 class ToggleHidden(_InParameters):
+    in_replay = True
     id, key = "all_parameters", "full_stop"
     help = "Show or hide the other parameters: those that an operator seldom changes"
     gives_way = True
@@ -113,6 +115,7 @@ class ToggleHidden(_InParameters):
 
 
 class FilterParameters(_InParameters):
+    in_replay = True
     id, key = "filter", "slash"
     help = "Filter the parameters: shows those whose node, name or value contains your text"
 
@@ -121,6 +124,7 @@ class FilterParameters(_InParameters):
 
 
 class SaveKey(VerbCommand):
+    in_replay = True
     where, panel = IN_PANEL, ParametersPanel
     key = "ctrl+s"
 

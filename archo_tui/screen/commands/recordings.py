@@ -24,7 +24,7 @@ from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screen.commands.base import LONGEST, Command, Desk
 from archo_tui.screen.dialog import ListDialog
-from archo_tui.screen.terminal.app import start_worker
+from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.text.columns import Columns, Text, crop
 
 _POLL = 0.1  # Seconds between two looks for an alarm.
@@ -77,7 +77,7 @@ async def play(desk: Desk, recording: Recording) -> None:
             process.wait()
 
     async def follow(work: asyncio.Future[Any]) -> None:
-        while not (work.done() or gate.is_shut or grave_alarms(desk) - before):
+        while not (work.done() or desk.is_ending or gate.is_shut or grave_alarms(desk) - before):
             await asyncio.wait([work], timeout=_POLL)
 
     async def obey() -> None:
@@ -116,7 +116,7 @@ async def play(desk: Desk, recording: Recording) -> None:
             if ready.done() and not ready.result():
                 fail("not played")
                 desk.repaint()  # It may have written on the screen.
-            elif ready.done() and not gate.is_shut:
+            elif ready.done() and not (desk.is_ending or gate.is_shut):
                 with desk.lend_terminal():
                     await lend()
         except asyncio.TimeoutError:  # Its disk hangs.
@@ -161,7 +161,7 @@ class RecordingList(ListDialog[Recording]):
         """Play the recording under the cursor; where no terminal can be lent, copy its command."""
         if self.rows.item is not None and self._desk.terminal is not None:
             self.dismiss()
-            start_worker(self._desk, partial(play, self._desk, self.rows.item), "replay")
+            start_worker(self._desk, partial(play, self._desk, self.rows.item), COMMANDS)
         else:
             self.action_copy()
 

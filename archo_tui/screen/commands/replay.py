@@ -27,7 +27,7 @@ from archo_tui.screen.commands.base import (
     PanelKey,
     everywhere,
 )
-from archo_tui.screen.commands.console import Quit
+from archo_tui.screen.commands.console import Quit, Suspend
 from archo_tui.screen.dialog import ShowText
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import Line
@@ -36,14 +36,6 @@ from archo_tui.text.alarm import timeline
 from archo_tui.text.columns import crop
 from archo_tui.verbs.verb import Verb
 
-# The console's commands that change nothing; a replay has no others of them.
-_HARMLESS = frozenset(
-    (
-        *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
-        *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
-        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette"),
-    )
-)
 _QUIT = "Quit the replay, also while typing"
 _TOGETHER = 0.05  # Seconds between marks that count as one moment.
 _LEFT_WIDTH = 21  # Cells of the speed and of both times.
@@ -131,13 +123,14 @@ def replay_commands(player: Player, verbs: Mapping[str, Verb]) -> Sequence[Comma
     commands = registry(player.file, verbs)
     panels = [command for command in commands if isinstance(command, PanelKey)]
     panels[0].footer_key = f"1-{TimeLine.number}"
-    harmless = _HARMLESS if CONSOLE_SOCKET in os.environ else {*_HARMLESS, "suspend"}
-    shown = [c for c in commands if isinstance(c, PanelKey) or c.id in harmless]
+    # The terminal of a console that plays it is only lent.
+    is_lent = CONSOLE_SOCKET in os.environ
+    shown = [c for c in commands if c.in_replay and not (is_lent and isinstance(c, Suspend))]
     own = *_time_line_keys(player), *shown, TimeLineKey(player.file), ShowRecordedAlarms(player)
     used = {command.key for command in own}
     acting = (c for c in commands if c.verbs and c.key and c.where == NOT_TYPING)
     not_sent = (NotSent(c) for c in acting if c.key not in used)
-    stop = StopConsole() if CONSOLE_SOCKET in os.environ else RefuseStop()
+    stop = StopConsole() if is_lent else RefuseStop()
     # The footer is cut behind the first ones.
     quit_key = everywhere(QuitReplay(), "quit_everywhere", "ctrl+q", _QUIT)
     return stop, *own, *not_sent, CopySelection(), QuitReplay(), quit_key

@@ -148,6 +148,11 @@ class TerminalApp(App[None]):
         return [*super().get_line_filters(), *self._text_filters]
 
     @property
+    def is_ending(self) -> bool:
+        """True once the end has begun, whose first part waits for the answers of commands."""
+        return self._is_ending or self._ending.has_begun
+
+    @property
     def unanswered(self) -> list[Worker[Any]]:
         """The workers of commands that have not ended yet."""
         return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]

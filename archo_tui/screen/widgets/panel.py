@@ -77,7 +77,7 @@ class Panel(Container):
             self.panel = panel
 
     def __init__(self, snapshot: Snapshot) -> None:
-        super().__init__()
+        super().__init__(classes="-needs-room" if self.needs_room else None)
         self.title_text = self.title_for(snapshot.file)
         self.border_title = f"{self.number} {self.title_text}"
         self._title, self._keys_below = Content(self.border_title), Content("")
