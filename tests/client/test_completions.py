@@ -18,7 +18,7 @@ from archo_tui.cli import main
 from archo_tui.cli.completion import fitting
 from archo_tui.console import session
 from archo_tui.recordings import recorder, store
-from tests.client.test_which_console import listening
+from tests.assistant.support import listening
 from tests.support import clock
 from tests.support.shells import raw, served, typed
 
