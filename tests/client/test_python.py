@@ -9,8 +9,8 @@ import pydoc
 import signal
 import subprocess
 import threading
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -273,26 +273,32 @@ def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
 
 
+@contextmanager
+def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, Any]]:
+    """A console in a process of its own, and beside it Python that runs the code."""
+    with Script(*SLOW, fresh=fresh) as script:
+        script.ready()
+        python = subprocess.Popen(
+            warm.python("-c", code), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+        )
+        try:
+            yield script, python
+        finally:
+            python.kill()
+            python.communicate()
+
+
 @pytest.mark.usefixtures("one_folder")
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
-    script = Script(*SLOW, fresh=True)
-    script.ready()
-    python = subprocess.Popen(
-        warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
-    )
-    assert python.stdin is not None
-    assert python.stdout is not None
+    with beside_console(REPL, fresh=True) as (script, python):
 
-    def enter(line: str) -> None:
-        assert python.stdin is not None
-        python.stdin.write(f"{line}\n")
-        python.stdin.flush()
+        def enter(line: str) -> None:
+            python.stdin.write(f"{line}\n")
+            python.stdin.flush()
 
-    def told() -> str:
-        assert python.stdout is not None
-        return str(json.loads(python.stdout.readline()))
+        def told() -> str:
+            return str(json.loads(python.stdout.readline()))
 
-    try:
         for call in ("robot.go(12).wait()", "robot.do('go', '12', wait=True)"):
             seen = script.said.count("goal CANCELLED")
             moved = script.said.count("goal MOVING to 12")
@@ -304,21 +310,15 @@ def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() ->
             enter("robot.cancel()")
             assert told() == "Refused: no goal is running"
         script.signal(signal.SIGSTOP)
-        enter("robot.status()")
-        assert "does not answer: is it suspended?" in told()
-        enter("archo_tui.connect()")
-        assert "does not answer: is it suspended?" in told()
-        enter("archo_tui.stop()")
-        assert "not confirmed: the robot may be moving; the console does not answer" in told()
-        enter("robot.stop()")
-        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        for call in ("robot.status()", "archo_tui.connect()"):
+            enter(call)
+            assert "does not answer: is it suspended?" in told()
+        for call in ("archo_tui.stop()", "robot.stop()"):
+            enter(call)
+            silent = "not confirmed: the robot may be moving; the console does not answer"
+            assert silent in told()
         script.signal(signal.SIGCONT)
         script.until("STOP: confirmed")
-        python.kill()
-    finally:
-        python.kill()
-        python.communicate()
-        script.close()
 
 
 # a worker of a program, as multiprocessing makes it: it lives on when the program is killed
@@ -345,23 +345,13 @@ with archo_tui.connect() as robot:
 
 @pytest.mark.usefixtures("one_folder")
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
-    script = Script(*SLOW)
-    script.ready()
-    python = subprocess.Popen(
-        warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
-    )
-    assert python.stdout is not None
-    try:
+    with beside_console(FORKS) as (script, python):
         said = {python.stdout.readline(), python.stdout.readline()}
         assert said == {"forked\n", "Unreached Unreached shelf 12\n"}
         script._read()
         assert "goal CANCELLED" not in script.said
         python.kill()
         script.until("goal CANCELLED")
-    finally:
-        python.kill()
-        python.communicate()
-        script.close()
 
 
 async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
