@@ -170,19 +170,17 @@ def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None
         script.until("CANCELLED")
 
 
-@pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
-def test_what_asks_is_answered_at_the_callers_terminal(
-    typed: str, code: int, terminals: list[Terminal]
-) -> None:
+def test_what_asks_is_answered_at_the_callers_terminal(terminals: list[Terminal]) -> None:
     with Script(*SLOW) as script:
         script.type("stop\n")
         script.until("STOP: confirmed")
-        terminal = Terminal("release", domain=script.domain)
-        terminals.append(terminal)
-        terminal.until("nothing resumes by itself. [y/N]")
-        terminal.write(typed)
-        assert terminal.exit_code() == code
-        assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
+        for typed, code in (("\x03", 130), ("n\r", 5), ("y\r", 0)):
+            terminal = Terminal("release", domain=script.domain)
+            terminals.append(terminal)
+            terminal.until("nothing resumes by itself. [y/N]")
+            terminal.write(typed)
+            assert terminal.exit_code() == code
+            assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
 
 
 def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
