@@ -11,11 +11,9 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import pytest
-from rclpy.node import Node
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
@@ -24,7 +22,7 @@ from archo_tui.robot.state.goal import Phase
 from tests.robot.test_broken_stop import Driver
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
-from tests.support.robot import making
+from tests.support.robot import hearing, making
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, client, heard, raw, said, served, typed, until
 from tests.support.terminal import Terminal
@@ -201,19 +199,10 @@ def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_en
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    geometry = pytest.importorskip("geometry_msgs.msg")
-    speeds: list[float] = []
-
-    class Driven(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("driven", **options)
-            self.create_subscription(geometry.Twist, "cmd_vel", self.on_speed, 10)
-
-        def on_speed(self, message: Any) -> None:
-            speeds.append(message.linear.x)
-
+    geometry, speeds = pytest.importorskip("geometry_msgs.msg"), list[float]()
+    driven = hearing(speeds, geometry.Twist, "cmd_vel", read=lambda message: message.linear.x)
     words = "pub", "cmd_vel", "linear.x=0.5", "--rate", "20", "--yes"
-    async with served(Driven) as person:
+    async with served(driven) as person:
         command = [sys.executable, "-m", "archo_tui", *words]  # Suspended, so no fork of another.
         shell = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         with monkeypatch.context() as patient:  # A busy shell answers late.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,24 +25,9 @@ from archo_tui.verbs.topics import Publish, frequency
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
+from tests.support.robot import hearing
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
-
-
-class Hearing(Node):
-    """Keeps what it hears on `words`."""
-
-    def __init__(self, heard: list[str], kind: Any = String, **options: Any) -> None:
-        super().__init__("hearing", **options)
-        self.heard = heard
-        self.create_subscription(kind, "words", self.on_message, 10)
-
-    def on_message(self, message: Any) -> None:
-        self.heard.append(message.data if isinstance(message, String) else message.linear.x)
-
-
-def hearing(heard: list[Any], kind: Any = String) -> Callable[..., Node]:
-    return lambda **options: Hearing(heard, kind, **options)
 
 
 @asynccontextmanager
@@ -51,7 +36,8 @@ async def publishing(
 ) -> AsyncIterator[tuple[Typed, list[Any]]]:
     """A console, and what is heard on `words`; with a line it publishes there already."""
     heard: list[Any] = []
-    async with operated(hearing(heard, kind), *makers, **options) as person:
+    read = (lambda m: m.data) if kind is String else (lambda m: m.linear.x)
+    async with operated(hearing(heard, kind, read=read), *makers, **options) as person:
         await is_seen(person)
         if line:
             await publish(person, heard, line)
@@ -271,15 +257,8 @@ async def test_what_the_robot_says_to_the_console_is_not_said_in_its_place() -> 
 
 
 async def test_a_header_gets_the_present_time_unless_one_is_typed() -> None:
-    geometry = pytest.importorskip("geometry_msgs.msg")
-    heard: list[Any] = []
-
-    class Posed(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("posed", **options)
-            self.create_subscription(geometry.PoseStamped, "words", heard.append, 10)
-
-    async with operated(Posed) as person:
+    geometry, heard = pytest.importorskip("geometry_msgs.msg"), list[Any]()
+    async with operated(hearing(heard, geometry.PoseStamped)) as person:
         await is_seen(person)
         for header in ("header.frame_id=map", "'{header: {frame_id: map}}'"):
             await person.enter(f"pub words {header} --yes", "published; 1 subscriber\n")
