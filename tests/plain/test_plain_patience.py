@@ -18,11 +18,9 @@ from tests.support.quiet import until
 from tests.support.robot import making
 
 
-class Alone(Node):
-    """Offers nothing."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("alone", **options)
+def alone(**options: Any) -> Node:
+    """It offers nothing."""
+    return Node("alone", **options)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +46,7 @@ class Alone(Node):
 async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
     line: str, said: str
 ) -> None:
-    async with operated(Alone) as person:
+    async with operated(alone) as person:
         began = seconds()
         await person.enter(f"{line}", said)
         assert seconds() - began <= 5.1  # at the start it may only not be found yet
@@ -70,7 +68,7 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
 async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
     life: Life, line: str, said: str, patience: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with operated(Alone) as person:
+    async with operated(alone) as person:
         host, began = person.station.host, seconds()
         await until(lambda: seconds() > began + 6.0)
         coming = (*host.states(), Hosted("/coming", life))

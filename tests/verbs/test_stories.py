@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.srv import EmergencyStop
 from depot_interfaces.action import Fibonacci
 from rcl_interfaces.srv import ListParameters
 from rclpy.action import ActionServer
@@ -24,6 +23,7 @@ from archo_tui.robot.state.readings import Pose
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.session.session import _robots_nodes
 from archo_tui.verbs.alarms import Alarms
+from tests.robot.test_several_servers import Brake
 from tests.robots.rover import Counting
 from tests.support import clock
 from tests.support.archo import ARCHO
@@ -31,6 +31,7 @@ from tests.support.clock import NOW
 from tests.support.console import LONG, console
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
+from tests.support.robot import making
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
@@ -337,20 +338,8 @@ async def test_the_history_has_the_last_hour_and_the_ends_of_goals() -> None:
     assert re.search(r"\nshelf 12 arrived, \d\d:\d\d:\d\d\n", person.said)
 
 
-class Refusing(Node):
-    """Confirms no STOP."""
-
-    def __init__(self, **given: Any) -> None:
-        super().__init__("refusing", **given)
-        self.create_service(EmergencyStop, "emergency_stop", self._refuse)
-
-    def _refuse(self, request: Any, response: Any) -> Any:
-        response.success = False
-        return response
-
-
 async def test_a_stop_that_nobody_confirms_is_given_up_with_yes() -> None:
-    async with operated(Refusing) as person:
+    async with operated(making([], Brake, "brake", "no")) as person:
         await person.enter("stop", "failed: stop: REFUSED")
         await person.enter("give_up_stop", "Send it no more? (add --yes to do it)")
         await person.enter("give_up_stop --yes", "give up STOP: given up")
