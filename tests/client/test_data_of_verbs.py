@@ -9,16 +9,13 @@ import time
 from typing import Any
 
 import pytest
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
-from rclpy.task import Future
-from std_srvs.srv import Trigger
 
 import archo_tui
 from archo_tui.base.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
 from archo_tui.verbs.show import ShowHistory
+from tests.robot.test_slow_services import Mapper
 from tests.support import clock
 from tests.support.console import FAST
 from tests.support.plain import operated
@@ -95,29 +92,11 @@ def test_history_is_data_with_the_age_of_each_reading() -> None:
     assert all("time" in goal and "phase" in goal for goal in told["goals"])
 
 
-class Mapper(Node):
-    """Tells where it has saved its map; of a large one never."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("mapper", **options)
-        self.asked = 0
-        self.create_service(Trigger, "save_map", self.save)
-        group = ReentrantCallbackGroup()
-        self.create_service(Trigger, "save_large_map", self.never, callback_group=group)
-
-    def save(self, _: Any, response: Any) -> Any:
-        response.success, response.message = True, "map.pgm"
-        return response
-
-    async def never(self, _: Any, response: Any) -> Any:
-        self.asked += 1
-        await Future[bool]()
-        return response
-
-
 @pytest.mark.real_time
 async def test_a_shell_prints_the_answer_and_a_program_gets_its_fields() -> None:
-    async with served(Mapper):
+    made: list[Mapper] = []
+    async with served(making(made, Mapper)):
+        made[0].wake()
         said = await typed("call", "save_map")
         assert said == (0, "success true, message map.pgm\n", "")
         said = await typed("call", "save_map", "--json")
@@ -148,7 +127,7 @@ async def test_who_waits_no_longer_is_told_that_it_may_still_be_done() -> None:
     made: list[Mapper] = []
     async with served(making(made, Mapper)):
         shell = await raw()
-        shell.send({"id": 1, "words": ["call", "save_large_map"]})
+        shell.send({"id": 1, "words": ["call", "save_map"]})
         await until(lambda: made and made[0].asked)
         shell.send({"give_up": True})
         result = await shell.result()
@@ -161,7 +140,7 @@ async def test_who_waits_no_longer_is_told_that_it_may_still_be_done() -> None:
 async def test_a_time_that_is_over_says_that_it_may_still_be_done() -> None:
     async with served(Mapper):
         began = time.monotonic()
-        said = await typed("call", "save_large_map", "--timeout", "0.5")
+        said = await typed("call", "save_map", "--timeout", "0.5")
         assert time.monotonic() - began < 2.5  # s: nothing is called off, so nothing is waited for
         assert said.code == 4
         assert said.err == "archo-tui: call: not within 0.5 s: the robot may still do it\n"
