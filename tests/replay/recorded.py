@@ -43,12 +43,12 @@ def shown(app: ArchoApp) -> dict[str, object]:
             continue
         found[f"title {panel.number}"] = str(panel.border_title)
         for line in panel.query(Line):
-            if line.id and line.id != "goal-hint":
-                found[line.id] = said(line)
+            if line.id and line.id not in ("goal-hint", "plots"):
+                found[line.id] = re.sub(" +", " ", said(line))
         for rows in panel.query(Rows):
             lines = [rows.render_line(y).text.rstrip() for y in range(rows.size.height)]
-            # live, ages and paces are as of a look that is up to a second old
-            lines = [re.sub(r"\d+\.\d( s|…| ?Hz)", "", line).rstrip() for line in lines]
+            # Live, ages, paces (whose width cuts the names) and plots are up to a second old.
+            lines = [re.sub(r"\d+\.\d( s|…| ?Hz)|(?<=…)\w+", "", line).rstrip() for line in lines]
             found[str(rows.id)] = [line for line in lines if line][:_LINES]
     return found
 
