@@ -312,9 +312,8 @@ async def test_what_a_notice_left_no_room_for_is_read_without_it_first() -> None
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
+    async with at_a_terminal(*LONG) as (person, assistant), guest() as other:
         await asks(assistant)
-        other = await raw()
         if way == "stop":
             assert (await other.ask("stop"))["code"] == "done"
         elif way == "goal":
@@ -332,7 +331,6 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         snapshot = person.station.robot.snapshot
         goals = [*snapshot.history, snapshot.goal]
         assert all(goal is None or goal.target == "3" for goal in goals)
-        other.close()
 
 
 async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:

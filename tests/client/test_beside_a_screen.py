@@ -22,6 +22,7 @@ from tests.support.console import FAST, LONG, Console, console
 from tests.support.shells import (
     Raw,
     Said,
+    guest,
     heard,
     own_socket,
     raw,
@@ -183,12 +184,10 @@ def test_a_console_that_does_not_start_again_leaves_no_socket() -> None:
 
 
 async def test_who_waits_for_a_goal_is_told_what_the_restart_did_to_it() -> None:
-    async with console(*LONG, remote=True) as op:
-        one = await raw()
+    async with console(*LONG, remote=True) as op, guest() as one:
         going = asyncio.create_task(one.ask("go", "30", wait=True))
         await until(lambda: "MOVING" in op.text)
         op.session.station.restart("interfaces were saved")
         result = await going
-        one.close()
     told = result["code"], result["text"]
     assert told == ("cancelled", "Cancelled mid-route: the console restarts")

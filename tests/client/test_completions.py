@@ -20,7 +20,7 @@ from archo_tui.console import session
 from archo_tui.recordings import recorder, store
 from tests.assistant.support import listening
 from tests.support import clock
-from tests.support.shells import raw, served, typed
+from tests.support.shells import guest, served, typed
 
 # One line for each shell, as docs/shell.md has it, and what must run before it.
 LINES = {
@@ -141,12 +141,9 @@ async def test_bash_completes_what_the_console_knows_and_leaves_no_event(
 
 @pytest.mark.parametrize("words", [("stop",), ("stop", ""), ("call", "emergency_stop", "")])
 async def test_the_question_of_a_completion_is_never_a_stop(words: tuple[str, ...]) -> None:
-    async with served() as person:
-        client = await raw()
-        await client.line()
+    async with served() as person, guest() as client:
         client.send({"id": 1, "complete": [*words]})
         assert (await client.result())["code"] == "done"
-        client.close()
         assert "STOP" not in person.said
         await person.end()
 
