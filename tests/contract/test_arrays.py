@@ -65,10 +65,7 @@ def test_what_is_no_sequence_of_such_values_is_refused(value: object) -> None:
 
 def test_integers_in_an_array_of_floats_are_published_as_floats(ros: Ros) -> None:
     node = ros.node()
-    received: list[Float64MultiArray] = []
-    node.create_subscription(Float64MultiArray, "numbers", received.append, 10)
-    publisher = node.create_publisher(Float64MultiArray, "numbers", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
+    publisher, received = ros.topic(Float64MultiArray, node)
     ros.spin(node)
     message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]  # rosidl's default
     message.data = [0, 1, 2]
@@ -102,10 +99,7 @@ def test_what_is_wrong_with_an_array_names_its_length_and_its_limits() -> None:
 
 def test_a_list_that_was_assigned_can_be_filled_until_it_is_sent(ros: Ros) -> None:
     node = ros.node()
-    heard: list[ListParametersResult] = []
-    node.create_subscription(ListParametersResult, "names", heard.append, 10)
-    publisher = node.create_publisher(ListParametersResult, "names", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
+    publisher, heard = ros.topic(ListParametersResult, node)
     ros.spin(node)
     names: Any = ["a"]
     message = ListParametersResult(names=names, prefixes={"c"})  # type: ignore[arg-type]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -39,14 +38,6 @@ def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:
         ("two", 2),
     ]
     assert heard[0][1]["received_timestamp"] >= heard[0][1]["source_timestamp"] > 0
-
-
-@pytest.mark.parametrize("callback", [lambda: None, lambda a, b, c: None])
-def test_a_callback_of_another_number_of_arguments_is_refused(
-    ros: Ros, callback: Callable[..., None]
-) -> None:
-    with pytest.raises(RuntimeError):
-        ros.node().create_subscription(String, "words", callback, 10)
 
 
 def test_discovery_tells_of_an_endpoint_what_dds_knows(ros: Ros) -> None:
@@ -89,8 +80,8 @@ def test_profiles_by_their_short_names() -> None:
     assert QoSProfile(depth=3) != QoSProfile(depth=4)
 
 
-@pytest.mark.parametrize("name", ["lifespan", "deadline", "liveliness", "depth", "history"])
-def test_a_policy_takes_no_word(name: str) -> None:
+def test_a_policy_takes_no_word() -> None:
     given: Any = QoSProfile(depth=1)
-    with pytest.raises(AssertionError):
-        setattr(given, name, "x")
+    for name in ("lifespan", "deadline", "liveliness", "depth", "history"):
+        with pytest.raises(AssertionError):
+            setattr(given, name, "x")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import warnings
-from typing import Any
 
 import pytest
 import rclpy
@@ -14,11 +13,9 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Int32
 
 from tests.support.ros import Ros
@@ -82,15 +79,13 @@ def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
 
 @pytest.mark.real_time
 def test_a_future_that_another_thread_sets_ends_the_spin_at_once(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(ros.node())
+    executor = ros.executor(ros.node())
     future: Future[int] = Future()
     setter = threading.Timer(0.05, lambda: future.set_result(1))
     setter.start()
     executor.spin_once_until_future_complete(future, 60.0)
     assert future.done()
     setter.join()
-    executor.shutdown(0)
 
 
 def test_a_rate_sleeps_from_tick_to_tick_until_the_end(ros: Ros) -> None:
@@ -167,12 +162,6 @@ def test_a_nodes_publishers_are_those_that_it_made_and_its_parameters(ros: Ros) 
     assert sorted(p.topic_name for p in node.publishers) == ["/parameter_events", "/topic"]
 
 
-def test_a_line_is_logged_at_a_severity(ros: Ros) -> None:
-    logger = ros.node().get_logger()
-    assert logger.log("x", LoggingSeverity.INFO)
-    assert not logger.log("x", LoggingSeverity.DEBUG)
-
-
 def test_init_returns_what_ends_it_again() -> None:
     context = Context()
     no = SignalHandlerOptions.NO
@@ -184,11 +173,6 @@ def test_init_returns_what_ends_it_again() -> None:
         assert not context.ok()
     finally:
         context.try_shutdown()  # else its logging is that of the tests behind this one
-
-
-def test_ros_arguments_are_sorted_out() -> None:
-    words: list[Any] = ["a", "--ros-args", "-r", "x:=y", "--", "b"]
-    assert remove_ros_args(words) == ["a", "b"]
 
 
 def test_loggers_levels_are_seen_and_set_through_services(ros: Ros) -> None:

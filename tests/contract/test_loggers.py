@@ -86,6 +86,7 @@ def test_a_severity_stays_the_same_at_one_place(logger: RcutilsLogger) -> None:
         return logger.log("line", severity)
 
     assert say(INFO)
+    assert not logger.log("another place", DEBUG)
     with pytest.raises(ValueError, match="Logger severity cannot be changed between calls"):
         say(WARN)
 

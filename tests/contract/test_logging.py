@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 from rcl_interfaces.msg import Log
-from rclpy.logging import LoggingSeverity
 from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
 
@@ -54,14 +53,6 @@ def test_filters_thin_lines_out(ros: Ros) -> None:
         False,
         False,
     ]
-
-
-def test_a_loggers_level_can_be_raised(ros: Ros) -> None:
-    logger = ros.node("level").get_logger()
-    logger.set_level(LoggingSeverity.ERROR)
-    assert not logger.warning("quiet")
-    assert logger.error("loud")
-    assert logger.get_effective_level() == LoggingSeverity.ERROR
 
 
 def test_the_graph_names_nodes_topics_and_services(ros: Ros) -> None:

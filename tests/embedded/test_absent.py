@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 import pytest
@@ -16,25 +15,6 @@ from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(chosen.ENGINE != "embedded", reason="it is there on ROS 2")
-
-
-@pytest.mark.parametrize("name", ["rclpy.waitable", "rclpy.experimental.events_executor"])
-def test_a_module_that_is_left_out_names_real_ros_2(name: str) -> None:
-    with pytest.raises(ImportError, match="real ROS 2 has it"):
-        importlib.import_module(name)
-
-
-@pytest.mark.parametrize(
-    ("module", "name"),
-    [
-        ("rclpy.qos", "qos_check_compatible"),
-        ("rclpy", "EventsExecutor"),
-        ("rclpy.node", "Waitable"),
-    ],
-)
-def test_a_name_that_is_left_out_names_real_ros_2(module: str, name: str) -> None:
-    with pytest.raises(ImportError, match=rf"no {module}\.{name}: if real ROS 2 has it"):
-        exec(f"from {module} import {name}")
 
 
 def test_a_program_may_ask_first_whether_a_name_is_there() -> None:
