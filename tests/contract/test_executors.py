@@ -340,7 +340,7 @@ class Alternating(Executor):
         task, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
         self.order.append("a task" if node is None else node.get_name())
         assert entity is None or self.can_execute(entity) in (True, False)
-        assert entity is None or entity in [*node.subscriptions]
+        assert node is None or entity in [*node.subscriptions]
         task()
 
 

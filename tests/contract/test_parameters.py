@@ -61,7 +61,8 @@ def test_a_declared_parameter_has_its_default_type_and_descriptor(ros: Ros) -> N
     assert node.has_parameter("use_sim_time")
 
 
-DOUBLE, SPEEDS = Parameter.Type.DOUBLE, [Parameter("nothing", value=1)]
+DOUBLE = Parameter.Type.DOUBLE
+SPEEDS: list[Parameter[int]] = [Parameter("nothing", value=1)]
 MISUSES: list[tuple[Callable[[Any], object], type[Exception], str]] = [
     (lambda n: n.declare_parameter("speed", 1.0), ParameterAlreadyDeclaredException, ""),
     (lambda n: n.get_parameter("nothing"), ParameterNotDeclaredException, ""),
