@@ -33,6 +33,9 @@ from launch_ros.substitutions import FindPackageShare
 def described(*actions):
     return LaunchDescription(actions)
 
+def n(name, **options):
+    return Node(package='my_robot', executable='talker', name=name, **options)
+
 """
 
 
