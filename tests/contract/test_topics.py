@@ -1,14 +1,28 @@
-"""Rules 2 and 4: delivery in a later turn, history depth, durability, QoS that must match."""
+"""Topics: delivery in a later turn, history, QoS that must match, what endpoints tell."""
 
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
+from typing import Any
 
 import pytest
+from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import Log
+from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Float32, Int32
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    QoSPresetProfiles,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from std_msgs.msg import Float32, Int32, String
+from std_srvs.srv import Empty
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -153,3 +167,130 @@ def test_a_node_added_to_an_executor_late_gets_what_waits(ros: Ros) -> None:
     publisher.publish(Int32(data=1))
     ros.executor(node).spin_once(timeout_sec=10)
     assert received == [Int32(data=1)]
+
+
+RELIABLE = QoSProfile(depth=1)
+SECOND, TWO_SECONDS = Duration(seconds=1), Duration(seconds=2)
+Told = list[tuple[Any, ...]]
+
+
+def test_endpoints_are_told_who_does_not_match(ros: Ros) -> None:
+    node = ros.node()
+    told: Told = []
+
+    def refused(who: str) -> Callable[[Any], None]:
+        return lambda e: told.append((who, e.total_count, int(e.last_policy_kind)))
+
+    publisher = node.create_publisher(
+        String,
+        "words",
+        BEST_EFFORT,
+        event_callbacks=PublisherEventCallbacks(incompatible_qos=refused("publisher")),
+    )
+    ros.spin(node)
+    node.create_subscription(
+        String,
+        "words",
+        lambda _: None,
+        RELIABLE,
+        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refused("subscription")),
+    )
+    wait_until(lambda: len(told) == 2)
+    kind = int(QoSPolicyKind.RELIABILITY)
+    assert sorted(told) == [("publisher", 1, kind), ("subscription", 1, kind)]
+    assert publisher.get_subscription_count() == 0
+
+
+def test_a_subscription_that_asks_for_more_is_told_for_which_policy(ros: Ros) -> None:
+    node = ros.node()
+    told: dict[str, str] = {}
+    manual = LivelinessPolicy.MANUAL_BY_TOPIC
+    cases: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
+        ("RELIABILITY", {"reliability": ReliabilityPolicy.BEST_EFFORT}, {}),
+        ("DURABILITY", {}, {"durability": DurabilityPolicy.TRANSIENT_LOCAL}),
+        ("DEADLINE", {}, {"deadline": SECOND}),
+        ("DEADLINE", {"deadline": TWO_SECONDS}, {"deadline": SECOND}),
+        ("LIVELINESS", {"liveliness": LivelinessPolicy.AUTOMATIC}, {"liveliness": manual}),
+        ("LIVELINESS", {}, {"liveliness_lease_duration": SECOND}),
+        ("", {"deadline": SECOND}, {"deadline": TWO_SECONDS}),
+        ("", {"liveliness": manual, "liveliness_lease_duration": SECOND}, {"liveliness": manual}),
+    ]
+    for number, (policy, offered, requested) in enumerate(cases):
+        topic = f"topic_{number}"
+
+        def refused(event: Any, topic: str = topic) -> None:
+            told[topic] = QoSPolicyKind(event.last_policy_kind).name
+
+        callbacks = SubscriptionEventCallbacks(incompatible_qos=refused)
+        publisher = node.create_publisher(String, topic, QoSProfile(depth=1, **offered))
+        profile = QoSProfile(depth=1, **requested)
+        node.create_subscription(String, topic, print, profile, event_callbacks=callbacks)
+        if not policy:
+            wait_until(lambda p=publisher: p.get_subscription_count() == 1)  # type: ignore[misc]
+    ros.spin(node)
+    refusals = {f"topic_{n}": policy for n, (policy, *_) in enumerate(cases) if policy}
+    wait_until(lambda: told == refusals)
+
+
+def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:
+    node = ros.node()
+    heard: list[tuple[str, Any]] = []
+    node.create_subscription(String, "words", lambda m, info: heard.append((m.data, info)), 10)
+    publisher = node.create_publisher(String, "words", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    for word in ("one", "two"):
+        publisher.publish(String(data=word))
+    wait_until(lambda: len(heard) == 2)
+    assert [(word, info["publication_sequence_number"]) for word, info in heard] == [
+        ("one", 1),
+        ("two", 2),
+    ]
+    assert heard[0][1]["received_timestamp"] >= heard[0][1]["source_timestamp"] > 0
+
+
+def test_discovery_tells_of_an_endpoint_what_dds_knows(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    publisher = node.create_publisher(
+        String, "words", QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    )
+    wait_until(lambda: node.count_publishers("words") == 1)
+    info = node.get_publishers_info_by_topic("words")[0]
+    assert (info.node_name, info.node_namespace) == ("talker", "/lab")
+    assert info.topic_type == "std_msgs/msg/String"
+    assert (int(info.endpoint_type), len(info.endpoint_gid)) == (1, 16)
+    qos = info.qos_profile
+    assert (qos.history, qos.depth) == (HistoryPolicy.UNKNOWN, 0)
+    assert (qos.reliability, qos.durability) == (
+        ReliabilityPolicy.RELIABLE,
+        DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+    assert (str(qos.deadline), qos.liveliness) == ("Infinite", LivelinessPolicy.AUTOMATIC)
+    assert publisher.logger_name == "lab.talker"
+    assert publisher.wait_for_all_acked(Duration(seconds=1))
+    publisher.assert_liveliness()
+
+
+def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    node.create_client(Empty, "wipe")
+    ActionClient(node, MoveToShelf, "move")
+    wait_until(lambda: len(node.get_client_names_and_types_by_node("talker", "/lab")) >= 1)
+    services = dict(node.get_client_names_and_types_by_node("talker", "/lab"))
+    assert services["/lab/wipe"] == ["std_srvs/srv/Empty"]
+    wait_until(lambda: get_action_client_names_and_types_by_node(node, "talker", "/lab"))
+    actions = get_action_client_names_and_types_by_node(node, "talker", "/lab")
+    assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
+
+
+def test_profiles_by_their_short_names() -> None:
+    assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
+    assert QoSProfile(depth=3) == QoSProfile(depth=3)
+    assert QoSProfile(depth=3) != QoSProfile(depth=4)
+
+
+def test_a_policy_takes_no_word() -> None:
+    given: Any = QoSProfile(depth=1)
+    for name in ("lifespan", "deadline", "liveliness", "depth", "history"):
+        with pytest.raises(AssertionError):
+            setattr(given, name, "x")
