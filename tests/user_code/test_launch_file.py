@@ -241,18 +241,32 @@ def main():
 BRIDGE = 'Node(package="my_wheels", executable="once", name="bridge"),'
 
 
-def test_of_programs_that_exit_at_once_the_others_run_on(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def bridge(text: str) -> None:
+    """Let the executable `once` be that text."""
     setup = Path("ws/src/my_wheels/setup.py")
     setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
-    (setup.parent / "my_wheels/bridge.py").write_text(EXITS)
+    (setup.parent / "my_wheels/bridge.py").write_text(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"), [(EXITS, "exit code 1"), ("def", "line 1: SyntaxError")]
+)
+def test_of_programs_that_exit_at_once_or_are_not_python_the_others_run_on(
+    workspace: Path, text: str, error: str
+) -> None:
+    bridge(text)
     with launched(launch_file(BRIDGE + "wheels(),")) as session:
         wait_until(lambda: life(session, "/wheels") is Life.UP)
         assert life(session, "/bridge") is Life.CRASHED
-        assert states(session)["/bridge"].error == "exit code 1"
-        wait_until(lambda: {"no serial port", "crashed: exit code 1"} <= set(texts(session)))
-    sys.modules.pop("my_wheels.bridge")  # As in a new process.
+        assert states(session)["/bridge"].error.startswith(error)
+        wait_until(lambda: is_told(session, f"crashed: {error}"))
+        wait_until(lambda: "no serial port" in texts(session) or text != EXITS)
+
+
+def test_a_launch_file_whose_programs_all_exit_says_what_they_said(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bridge(EXITS)
     file = launch_file(BRIDGE)
     assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
     lines = capsys.readouterr().err.splitlines()
@@ -261,16 +275,6 @@ def test_of_programs_that_exit_at_once_the_others_run_on(
         "archo-tui: bridge: crashed: exit code 1",
         f"archo-tui: nothing of {file} runs here",
     ]
-
-
-def test_of_programs_that_are_not_python_the_others_run_on(workspace: Path) -> None:
-    setup = Path("ws/src/my_wheels/setup.py")
-    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
-    (setup.parent / "my_wheels/bridge.py").write_text("def")
-    with launched(launch_file(BRIDGE + "wheels(),")) as session:
-        wait_until(lambda: life(session, "/wheels") is Life.UP)
-        assert life(session, "/bridge") is Life.CRASHED
-        assert states(session)["/bridge"].error.startswith("line 1: SyntaxError")
 
 
 def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: Path) -> None:

@@ -38,13 +38,24 @@ if __name__ == "__main__":
 """
 
 
-async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
-    async with console(node_files=[written("my_node.py", GREETER)]) as op:
+async def test_a_node_of_ones_own_runs_beside_the_robots_and_what_it_prints_is_an_event(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    prints = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)
+    async with console(node_files=[written("my_node.py", prints)]) as op:
+
+        def printed() -> list[str]:
+            events = op.app.view.snapshot.events
+            return [event.text for event in events if event.source == "my_node stdout"]
+
+        await op.until(printed)
+        assert printed() == [f"{HIDDEN}[31m"]
         await op.until("hello from my own node")
         await op.until("● greeter")
         await op.until("warnings + your commands and nodes")
         await op.press("r")
         await op.until("reset encoder: Encoder reset to zero")
+    assert "\x1b[31m" not in capsys.readouterr().out
 
 
 async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> None:
@@ -110,23 +121,6 @@ def test_a_file_that_does_not_run_is_one_line(text: str, line: str, said: str, h
         assert "\n" not in program.state.error
 
 
-PRINTS = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)
-
-
-async def test_what_a_file_prints_when_it_is_imported_is_an_event(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    async with console(node_files=[written("my_node.py", PRINTS)]) as op:
-
-        def printed() -> list[str]:
-            events = op.app.view.snapshot.events
-            return [event.text for event in events if event.source == "my_node stdout"]
-
-        await op.until(printed)
-        assert printed() == [f"{HIDDEN}[31m"]
-    assert "\x1b[31m" not in capsys.readouterr().out
-
-
 def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(tmp_path: Path) -> None:
     taken = GREETER.replace("import rclpy\n", "import sys\nsys.stdout = None\nimport rclpy\n", 1)
     with running(written(tmp_path / "my_node.py", taken), only=False):
@@ -142,9 +136,5 @@ def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
         file.compile()
     with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
         ProgramFile(str(file.path))
-
-
-def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    missing = pytest.raises(ArchoError, match=r"nowhere\.py: no such file")
-    with missing, running(tmp_path / "nowhere.py"):
-        pass
+    with pytest.raises(ArchoError, match=r"nowhere\.py: no such file"):
+        ProgramFile("nowhere.py")

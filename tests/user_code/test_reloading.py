@@ -210,27 +210,6 @@ async def pass_seconds(seconds: float) -> None:
     await until(lambda: clock.seconds() > later)
 
 
-@pytest.mark.waits
-async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:
-    helper = here / "words_of_mine.py"
-    helper.write_text("WORDS = 'first words'\n")
-    file = here / "talker.py"
-    file.write_text(
-        "from words_of_mine import WORDS\n" + talker("self.get_logger().warning(WORDS)")
-    )
-    async with running(file) as op:
-        await op.until("first words")
-        watched, _ = op.session._watch.watched[0]
-        helper.write_text("WORDS = 'other words, longer'\n")
-        assert watched.current_stamps() != watched.loaded
-        await save(op, file, file.read_text())
-        await op.until("other words, longer")
-        await save(op, file, says("alone"))
-        await op.until("alone")
-        assert "words_of_mine" not in sys.modules
-    assert not (here / "__pycache__").exists()  # nothing of the reader's is written to
-
-
 @pytest.mark.real_time
 async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
