@@ -199,7 +199,6 @@ def test_feedback_and_goals_are_checked(ros: Ros) -> None:
     wait_until(lambda: robot.goals)
     with pytest.raises(TypeError):
         robot.goals[0].publish_feedback(MoveToShelf.Result())
-    robot.end("succeed")
 
 
 def test_a_result_is_forgotten_after_its_timeout(ros: Ros) -> None:
@@ -297,7 +296,6 @@ def test_a_goal_id_that_is_known_already_is_refused(ros: Ros) -> None:
     assert not send(ros, robot, goal_uuid=goal_id).accepted
     wait_until(lambda: robot.goals)
     assert len(robot.goals) == 1
-    robot.end("succeed")
 
 
 def test_the_first_feedback_comes_before_the_acceptance_where_one_executor_runs_both(
@@ -387,4 +385,3 @@ def test_two_handles_of_a_goal_are_equal_and_none_is_a_key(ros: Ros) -> None:
             hash(one)
         with pytest.raises(AttributeError):
             one.goal_id = UUID()
-    robot.end("succeed")

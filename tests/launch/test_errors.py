@@ -129,20 +129,11 @@ def test_the_traceback_is_there_on_request_and_has_the_persons_lines_only(
 def test_an_include_without_a_value_for_its_argument_names_the_include(
     launcher: Launcher,
 ) -> None:
-    launcher.write(
-        """
-        from launch import LaunchDescription
-        from launch.actions import DeclareLaunchArgument
-
-        def generate_launch_description():
-            return LaunchDescription([DeclareLaunchArgument('robot')])
-        """,
-        "inner.launch.py",
-    )
-    include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.py'"
+    launcher.write("<launch>\n<arg name='robot'/>\n</launch>", "inner.launch.xml")
+    include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.xml'"
     with pytest.raises(LaunchFileError) as raised:
         launcher.of_actions(f"{include}),")
-    assert "inner.launch.py:6: argument robot has no value" in str(raised.value)
+    assert "inner.launch.xml:2: argument robot has no value" in str(raised.value)
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == []
 
 
@@ -154,19 +145,12 @@ def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
 
 
 def test_the_release_of_the_engine_is_in_the_environment(
-    launcher: Launcher, monkeypatch: pytest.MonkeyPatch
+    launcher: Launcher, monkeypatch: pytest.MonkeyPatch, workspace: Workspace
 ) -> None:
     monkeypatch.delenv("ROS_DISTRO", raising=False)
-    text = """
-        from launch import LaunchDescription
-        from launch.actions import LogInfo
-        from launch.substitutions import EnvironmentVariable
-
-        def generate_launch_description():
-            return LaunchDescription([LogInfo(msg=EnvironmentVariable('ROS_DISTRO'))])
-        """
-    file = str(launcher.write(text))
-    plan = evaluate(file, Workspace.below(WORKSPACE), launcher.prefix, {})
+    text = "<launch><log message='$(env ROS_DISTRO)'/></launch>"
+    file = str(launcher.write(text, "release.launch.xml"))
+    plan = evaluate(file, workspace, launcher.prefix, {})
     assert [note.text for note in plan.notes] == [ros_release.distribution() or "kilted"]
     assert "ROS_DISTRO" not in plan.environment
 

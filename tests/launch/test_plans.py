@@ -245,19 +245,12 @@ def test_a_nodes_line_is_that_of_its_own_file(launcher: Launcher) -> None:
 
 
 def test_modules_of_the_workspaces_packages_can_be_imported(launcher: Launcher) -> None:
-    code = """
-        from launch import LaunchDescription
-        from launch_ros.actions import Node
-        from my_robot.rates import RATES
-
-        def generate_launch_description():
-            return LaunchDescription([
-                Node(package='my_robot', executable='talker', parameters=[{'rate': rate}])
-                for rate in RATES
-            ])
-    """
-    assert launcher.commands(launcher.plan(launcher.write(code))) == [
-        f"my_robot talker --ros-args -p rate:={rate}" for rate in (1, 2)
+    plan = launcher.of_actions(
+        "*[Node(package='my_robot', executable='talker', parameters=[{'hz': r}]) for r in RATES],",
+        before="from my_robot.rates import RATES",
+    )
+    assert launcher.commands(plan) == [
+        f"my_robot talker --ros-args -p hz:={rate}" for rate in (1, 2)
     ]
 
 
