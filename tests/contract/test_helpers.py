@@ -29,30 +29,28 @@ from tests.support.waiting import wait_until
 
 
 def test_spinning_once_with_its_own_executor_leaves_the_node_in_it(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    node = ros.node()
+    executor = ros.executor(node)
     rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
     done: Future[int] = Future()
     done.set_result(1)
     rclpy.spin_until_future_complete(node, done, executor)
     assert node in executor.get_nodes()
     assert node.executor is executor
-    executor.shutdown(0)
 
 
 def test_between_two_spins_a_task_can_be_given_to_the_nodes_executor(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
     ran: list[int] = []
     assert node.executor is executor
     node.executor.create_task(lambda: ran.append(1))
     rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
     assert ran == [1]
-    executor.shutdown(0)
 
 
 def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     ticks: list[int] = []
     node.create_timer(0.01, lambda: ticks.append(1))
     for _ in range(200):
@@ -61,26 +59,23 @@ def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
     ticks.clear()
     rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
     assert ticks == [1]
-    executor.shutdown(0)
 
 
 def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     node.executor = executor
     assert node in executor.get_nodes()
     node.executor = None
     assert node not in executor.get_nodes()
-    executor.shutdown(0)
 
 
 def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    node = ros.node()
+    executor = ros.executor(node)
     node.create_timer(0.01, lambda: None)
     future: Future[int] = Future()
     executor.spin_until_future_complete(future, 0.3)
     assert len(future._callbacks) <= 1  # none at all on the embedded engine
-    executor.shutdown(0)
 
 
 @pytest.mark.real_time
