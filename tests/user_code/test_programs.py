@@ -434,6 +434,8 @@ def test_a_program_that_a_stop_keeps_from_running_is_not_called_restarted(
     is_slow_to_end: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("archo_tui.user_code.watch.FileWatcher.start", lambda self: None)
+    if not is_slow_to_end:  # Its new text calls no `rclpy.init` in that time.
+        monkeypatch.setattr(hosted_program, "IMPORT_TIME", 1.0)
     waits = 'import os, time\n        while not os.path.exists("go"): time.sleep(0.02)\n        '
     slow = TALKER.replace('say("left")', f'{waits}say("left")')
     path = written("talker.py", (slow if is_slow_to_end else TALKER).replace("{word}", "made"))
