@@ -316,8 +316,10 @@ def test_the_first_feedback_comes_before_the_acceptance_where_one_executor_runs_
 
     def accepted(future: Any) -> None:
         log.append("accepted")
-        result = future.result().get_result_async()
-        result.add_done_callback(lambda _: log.append("result"))
+        handle = future.result()
+        result = handle.get_result_async()
+        # When the result is there, the goal's status is, too.
+        result.add_done_callback(lambda _: log.append(f"result {handle.status}"))
 
     executor = ros.executor(node)
     goal = client.send_goal_async(
@@ -327,10 +329,10 @@ def test_the_first_feedback_comes_before_the_acceptance_where_one_executor_runs_
 
     def ended() -> bool:
         executor.spin_once(timeout_sec=0.1)
-        return "result" in log
+        return "result 4" in log
 
     wait_until(ended)
-    assert log == ["0", "accepted", "1", "2", "result"]
+    assert log == ["0", "accepted", "1", "2", "result 4"]
 
 
 def test_a_status_tells_of_every_goal_that_is_kept(ros: Ros) -> None:
