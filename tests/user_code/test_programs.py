@@ -22,7 +22,6 @@ from rclpy.node import Node
 import tests.contract.textbook as textbook
 from archo_tui.base.errors import ArchoError
 from archo_tui.base.handover import Handover
-from archo_tui.client import sockets
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.commands import HELD_BY_NOBODY
 from archo_tui.robot.state.snapshot import Latch, Life
@@ -579,9 +578,8 @@ def test_a_stop_reaches_a_service_that_a_running_program_offers_later() -> None:
 
 
 def test_a_stop_reaches_the_first_program_while_a_slow_one_is_still_waited_for(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
     monkeypatch.setattr(hosted_program, "START_TIME", DEADLINE)
     stopped = MOTOR.replace(
         "response.success", 'open("stopped", "w").close()\n        response.success'
@@ -599,7 +597,7 @@ def test_a_stop_reaches_the_first_program_while_a_slow_one_is_still_waited_for(
     starting.start()
     try:
         wait_until(Path("waiting").exists)
-        with reached(sockets.socket_paths()[0]) as console:
+        with reached() as console:
             console.send(b'{"id": 1, "words": ["stop"]}\n')
         wait_until(Path("stopped").exists)
         assert not begun
