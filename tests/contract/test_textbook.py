@@ -1,4 +1,4 @@
-"""The textbook's listings run unchanged, each spun with rclpy.spin in a thread."""
+"""The textbook's listings run unchanged in the default context; `tests/chapter` checks each."""
 
 from __future__ import annotations
 
@@ -10,9 +10,7 @@ from typing import Any
 
 import pytest
 import rclpy
-from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import ResetEncoder
-from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -21,11 +19,8 @@ from std_msgs.msg import Float32
 
 from tests.contract.textbook import (
     battery_publisher,
-    battery_subscriber,
     motor_parameters,
-    move_action_server,
     reset_client,
-    reset_service,
 )
 from tests.support import chosen
 from tests.support.ros import Ros
@@ -84,28 +79,6 @@ def test_the_publisher_counts_down(neighbour: Ros) -> None:
     assert heard[1] - heard[2] == 0.5
 
 
-def test_the_subscriber_logs_and_warns(neighbour: Ros) -> None:
-    lines: list[str] = []
-    reader = neighbour.spun("reader")
-    reader.create_subscription(Log, "/rosout", lambda m: lines.append(m.msg), 100)
-    publisher = reader.create_publisher(Float32, "battery_level", 10)
-
-    def said() -> bool:
-        publisher.publish(Float32(data=18.0))  # again and again: discovery takes its time
-        return {"Dashboard sees: 18.0%", "Low battery: 18.0%"} <= set(lines)
-
-    with listed(battery_subscriber.Dashboard):
-        wait_until(said)
-
-
-def test_the_service_answers_a_client(neighbour: Ros) -> None:
-    with listed(reset_service.MotorController):
-        client = neighbour.spun("operator").create_client(ResetEncoder, "reset_encoder")
-        assert client.wait_for_service(10.0)
-        answer = neighbour.result(client.call_async(ResetEncoder.Request()))
-    assert (answer.success, answer.message) == (True, "Encoder reset to zero")
-
-
 def test_the_client_spins_until_its_future_is_complete(
     neighbour: Ros, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -117,23 +90,6 @@ def test_the_client_spins_until_its_future_is_complete(
         ["--ros-args", "--disable-stdout-logs"]
     )
     assert response == answer
-
-
-def test_the_action_server_with_sleep_reports_and_arrives(neighbour: Ros) -> None:
-    feedback: list[float] = []
-    with listed(move_action_server.MotorController):
-        client = neighbour.action_client(MoveToShelf, "move_to_shelf")
-        assert client.wait_for_server(10.0)
-        goal = MoveToShelf.Goal(shelf_number=12)
-        handle = neighbour.result(
-            client.send_goal_async(goal, lambda m: feedback.append(m.feedback.distance_remaining))
-        )
-        cancel = neighbour.result(handle.cancel_goal_async())  # answered when the sleeping is over
-        assert len(cancel.goals_canceling) == 0
-        answer = neighbour.result(handle.get_result_async())
-        assert answer.result.final_message == "Arrived at shelf 12"
-        wait_until(lambda: len(feedback) == 6)
-    assert feedback == [15.0, 12.0, 9.0, 6.0, 3.0, 0.0]
 
 
 def test_the_parameters_come_from_the_textbooks_file(neighbour: Ros, tmp_path: Path) -> None:

@@ -46,7 +46,6 @@ def up(session: Session) -> list[str]:
     ("program", "nodes"),
     [
         ("programs/main_has_branches", ["/motor_sim"]),
-        ("programs/name_given_in_main", ["/talker"]),
         ("programs/node_made_in_main", ["/battery_monitor"]),
     ],
 )
@@ -83,36 +82,6 @@ async def main():
 
 if __name__ == "__main__":
     asyncio.run(main())
-""",
-    "a partial": """
-from functools import partial
-
-
-def main():
-    rclpy.init()
-    make = partial(Talker, "talker")
-    rclpy.spin(make())
-""",
-    "a ternary": """
-def main():
-    rclpy.init()
-    rclpy.spin(Other() if len(sys.argv) > 100 else Talker("talker"))
-""",
-    "a match": """
-def main():
-    rclpy.init()
-    match "talker":
-        case "other":
-            node = Other()
-        case name:
-            node = Talker(name)
-    rclpy.spin(node)
-""",
-    "a lambda": """
-def main():
-    rclpy.init()
-    make = lambda: Talker("talker")
-    rclpy.spin(make())
 """,
     "a coroutine function without a block": """
 async def main():
