@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -40,6 +42,15 @@ def test_a_name_that_a_module_only_imports_can_be_imported_from_there(
     found: dict[str, Any] = {}
     exec(f"from {module} import {name}", found)
     assert found[name].__name__ == name.removesuffix("Msg")
+
+
+def test_a_message_that_a_module_only_imports_need_not_have_been_used_before() -> None:
+    code = (
+        "from archo_tui.ros import engine\nengine.activate('embedded')\n"
+        "from rclpy.node import FloatingPointRange, IntegerRange\nprint(IntegerRange())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "IntegerRange(" in done.stdout, done.stderr
 
 
 def test_a_lone_surrogate_in_a_log_line_does_not_end_the_node(ros: Ros) -> None:
