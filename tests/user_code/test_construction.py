@@ -93,7 +93,7 @@ def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 0.3)
 
 
-def test_a_constructor_is_answered_by_a_node_of_a_later_file_and_holds_up_nobody(
+def test_a_constructor_is_answered_by_a_later_files_node_and_holds_up_nobody(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("archo_tui.user_code.program.START_TIME", DEADLINE)

@@ -38,7 +38,7 @@ if __name__ == "__main__":
 """
 
 
-async def test_a_node_of_ones_own_runs_beside_the_robots_and_what_it_prints_is_an_event(
+async def test_ones_own_node_runs_beside_the_robots_and_what_it_prints_is_an_event(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     prints = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)

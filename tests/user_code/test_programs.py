@@ -95,9 +95,8 @@ def said() -> list[str]:
 
 
 @pytest.fixture(autouse=True)
-def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run each test in a folder of its own, and let its processes find each other."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def _here(here: Path) -> None:
+    """Run each test in a folder of its own."""
 
 
 def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:
