@@ -112,11 +112,14 @@ class Graph:
                     del table[name]
             self.changed.notify_all()
 
-    def wait_until(self, holds: Callable[[], bool], timeout_sec: float | None) -> None:
-        """Block until it holds, or the time is up: None means no limit, a negative one no wait."""
+    def wait_until(self, holds: Callable[[], bool], timeout_sec: float | None) -> bool:
+        """Block until it holds; return False when the time is up before.
+
+        None means no limit, a negative timeout no wait.
+        """
         with self.changed:
             until = _time_source.patience_ns(timeout_sec)
-            _time_source.wait_until(self.changed, holds, until)
+            return _time_source.wait_until(self.changed, holds, until)
 
     def servers(self, name: str, srv_type: type) -> list[Service[Any, Any]]:
         """Return the services of that name and type, in the order in which they came."""

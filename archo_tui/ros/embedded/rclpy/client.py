@@ -82,11 +82,7 @@ class Client(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
         None means no limit, a negative timeout no wait.
         """
-        self._use()
-        self._node._graph.wait_until(
-            lambda: self._destroyed or self.service_is_ready(), timeout_sec
-        )
-        return self.service_is_ready()
+        return self._node._graph.wait_until(self.service_is_ready, timeout_sec)
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item

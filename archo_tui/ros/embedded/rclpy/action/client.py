@@ -204,10 +204,7 @@ class ActionClient:
 
         None means no limit, a negative timeout no wait.
         """
-        self._node._graph.wait_until(
-            lambda: self._goal_client._destroyed or self.server_is_ready(), timeout_sec
-        )
-        return self.server_is_ready()
+        return self._node._graph.wait_until(self.server_is_ready, timeout_sec)
 
     def destroy(self) -> None:
         """Leave the graph; futures that are pending stay pending."""
