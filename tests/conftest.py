@@ -72,10 +72,9 @@ _POSIX = {
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_save_load", "test_two_processes", "test_kill"),
     *("test_stop_is_final", "test_terminal_keys", "test_walk_with_stops"),
-    *("test_shell", "test_hostile", "test_on_the_screen", "test_pages", "test_python"),
+    *("test_shell", "test_hostile", "test_beside_a_screen", "test_pages", "test_python"),
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
-    *("test_without_a_console", "test_with_a_console", "test_its_connection"),
-    *("test_what_it_reads", "test_how_it_asks", "test_console_connection"),
+    *("test_tools", "test_with_a_console", "test_connection"),
     *("test_which_console", "test_what_a_stop_is", "test_options", "test_in_the_console"),
 }
 

@@ -15,6 +15,7 @@ import pytest
 
 from archo_tui import __version__
 from archo_tui.cli import main
+from archo_tui.cli.graph import domains_text
 from archo_tui.cli.options import split_ros_args
 from archo_tui.robot_file.load import default_path
 from archo_tui.station import shutdown
@@ -152,48 +153,36 @@ def test_the_keymap_is_that_of_the_robot_file(
     assert "\nreset: f7 " in keys()
 
 
+BLINK = "commands:\n  - {id: blink, title: Blink, service: blink, key: b}\n"
+BEEP = "  - {id: beep, title: Beep, service: beep, key: KEY}\n"
+WRONG_FILES = [
+    ("name: x\nbatery: none\n", "2: unknown key batery (nearest: battery)"),
+    (BLINK + BEEP.replace("KEY", "q"), "3: q is the key of quit: choose another"),
+    (BLINK + BEEP.replace("KEY", "b"), "3: b is the key of blink: choose another"),
+    (
+        BLINK + BEEP.replace("KEY", "tab"),
+        "3: tab is needed in fields and dialogs: choose another",
+    ),
+    (BLINK + BEEP.replace("KEY", "warp"), "3: no key 'warp': like x, ctrl+x, f5, question_mark"),
+]
+
+
 @pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
+@pytest.mark.parametrize(("text", "said"), WRONG_FILES)
 def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     mode: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    file = tmp_path / "robot.yaml"
-    file.write_text("name: x\nbatery: none\n")
-    monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda: None)
-    assert main(["--robot", str(file), *mode]) == 2
-    said = capsys.readouterr().err
-    assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
-
-
-@pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
-@pytest.mark.parametrize(
-    ("key", "said"),
-    [
-        ("q", "q is the key of quit: choose another"),
-        ("b", "b is the key of blink: choose another"),
-        ("tab", "tab is needed in fields and dialogs: choose another"),
-        ("warp", "no key 'warp': like x, ctrl+x, f5, question_mark"),
-    ],
-)
-def test_a_key_that_is_taken_is_one_line_in_each_face(
-    mode: list[str],
-    key: str,
+    text: str,
     said: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     file = tmp_path / "robot.yaml"
-    beep = f"  - {{id: beep, title: Beep, service: beep, key: {key}}}\n"
-    blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
-    file.write_text(f"commands:\n{blink}{beep}")
+    file.write_text(text)
     monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda _: None)
     hosted = [] if mode == ["keys"] else ["--engine", chosen.ENGINE, "--only"]
-    words = [*hosted, "--robot", str(file), *mode]
-    assert main(words) == 2
-    assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
+    assert main([*hosted, "--robot", str(file), *mode]) == 2
+    assert capsys.readouterr().err == f"archo-tui: {file}:{said}\n"
 
 
 @pytest.mark.night
@@ -411,3 +400,17 @@ def test_a_lack_of_ros_is_one_line_with_what_to_type(patch: str, said: str, hint
     assert len(done.stderr.strip().splitlines()) == 1
     assert said in done.stderr
     assert hint in done.stderr
+
+
+def test_each_domain_with_nodes_is_a_line_with_how_to_start_there() -> None:
+    found = {7: ["/a", "/b", "/c", "/d", "/e", "/f"], 0: ["/base"]}
+    assert domains_text(found).splitlines() == [
+        "domain 0: /base: start with ROS_DOMAIN_ID=0",
+        "domain 7: /a, /b, /c, /d and 2 more: start with ROS_DOMAIN_ID=7",
+    ]
+
+
+def test_nothing_found_is_said_with_what_limits_the_look() -> None:
+    said = domains_text({})
+    assert said.startswith("no node in the domains 0 to 20")
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" in said

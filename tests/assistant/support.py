@@ -6,15 +6,15 @@ import asyncio
 import json
 import os
 import socket
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager, suppress
-from pathlib import Path
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 from typing import Any, NamedTuple
 
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
 from archo_tui.client import sockets
+from archo_tui.console import socket as server
 from tests.support import warm
 from tests.support.waiting import DEADLINE
 
@@ -67,6 +67,24 @@ def parameters(*words: str, code: str = "") -> StdioServerParameters:
     return StdioServerParameters(command=command, args=arguments, env=given)
 
 
+INITIALIZE = (
+    b'{"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"protocolVersion": '
+    b'"2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "0"}}}\n'
+    b'{"jsonrpc": "2.0", "method": "notifications/initialized"}\n'
+)
+
+
+async def process(*words: str, first: bytes = b"") -> asyncio.subprocess.Process:
+    """Its process, to which that was written."""
+    given = parameters(*words)
+    made = await asyncio.create_subprocess_exec(
+        given.command, *given.args, env=given.env, stdin=-1, stdout=-1, stderr=-1
+    )
+    assert made.stdin is not None
+    made.stdin.write(first)
+    return made
+
+
 @asynccontextmanager
 async def assistant(*words: str, **more: Any) -> AsyncIterator[Assistant]:
     """One that runs, `--allow goals` among its words or not."""
@@ -77,11 +95,8 @@ async def assistant(*words: str, **more: Any) -> AsyncIterator[Assistant]:
 class FakeConsole:
     """Speaks the protocol on a socket, answers by `answers`, and keeps what it was asked."""
 
-    def __init__(self, pid: int) -> None:
-        self.pid = pid
-        hello = {"protocol": 1, "version": "0", "robot": "ARCHO", "namespace": f"/r{pid}"}
-        more = {"engine": "embedded", "domain": None, "pid": pid, "watching": False}
-        self.hello: dict[str, Any] = {**hello, **more}
+    def __init__(self, hello: dict[str, Any]) -> None:
+        self.hello = hello
         self.asked: list[Request] = []
         self.connections = self.closed = 0
         self.answers: dict[str, Callable[[Request], Awaitable[Request | None]]] = {}
@@ -170,24 +185,35 @@ class FakeConsole:
         return [request.get("words", request.get("ask")) for request in self.asked]
 
 
-@asynccontextmanager
-async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
-    """One that listens where consoles do."""
-    folder = Path(sockets.folder())
-    folder.mkdir(mode=0o700, exist_ok=True)
-    console = FakeConsole(pid)
-    card = folder / f"{pid}.json"
-    card.write_text(json.dumps({"name": str(pid), **console.hello}))
-    listening = socket.socket(socket.AF_UNIX)
-    listening.bind(str(folder / f"{pid}.sock"))
-    listening.listen()
-    serving = asyncio.ensure_future(console.serve(listening))
+HELLO = {"protocol": 1, "version": "0", "robot": "ARCHO", "engine": "embedded", "domain": None}
+
+
+@contextmanager
+def listening(
+    namespace: str, pid: int = 7, **more: Any
+) -> Iterator[tuple[socket.socket, dict[str, Any]]]:
+    """Listen where a console does, and take nobody: as one that is suspended."""
+    name = f"{pid}-{os.urandom(4).hex()}"
+    hello = {**HELLO, "namespace": namespace, "pid": pid, "watching": False, "name": name, **more}
+    made, path = server.open_socket(hello)
     try:
-        yield console
+        yield made, hello
     finally:
-        serving.cancel()
-        with suppress(asyncio.CancelledError):
-            await serving
-        listening.close()
-        card.unlink()
-        (folder / f"{pid}.sock").unlink()
+        made.close()
+        sockets.remove(path)
+
+
+@asynccontextmanager
+async def fake_console(
+    pid: int = 7, namespace: str = "", **more: Any
+) -> AsyncIterator[FakeConsole]:
+    """One that listens where consoles do, and answers."""
+    with listening(namespace or f"/r{pid}", pid, **more) as (made, hello):
+        console = FakeConsole(hello)
+        serving = asyncio.ensure_future(console.serve(made))
+        try:
+            yield console
+        finally:
+            serving.cancel()
+            with suppress(asyncio.CancelledError):
+                await serving

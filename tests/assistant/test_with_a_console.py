@@ -15,7 +15,7 @@ import pytest
 from archo_tui.client import sockets
 from archo_tui.station.approvals import READING_TIME
 from tests.assistant.support import Assistant, assistant
-from tests.assistant.test_console_connection import VALUES
+from tests.assistant.test_connection import VALUES
 from tests.support.shells import until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE, Waited

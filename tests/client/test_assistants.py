@@ -22,7 +22,6 @@ from archo_tui.screen.commands import request
 from archo_tui.screen.keyed_app import HELD
 from archo_tui.session.session import _robots_nodes
 from archo_tui.station import approvals
-from archo_tui.station.station import Station
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
@@ -30,7 +29,7 @@ from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.plain import Typed
 from tests.support.robot import making
-from tests.support.shells import Raw, heard, own_socket, raw, served, until
+from tests.support.shells import Raw, guest, heard, own_socket, raw, served, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -57,10 +56,6 @@ async def at_a_terminal(*args: str, **options: Any) -> AsyncIterator[tuple[Typed
         assert (await assistant.ask("wait", "ready"))["code"] == "done"
         yield person, assistant
         assistant.close()
-
-
-def station(person: Typed) -> Station:
-    return person._plain._station
 
 
 async def shown(person: Typed, number: int = 1) -> None:
@@ -145,22 +140,17 @@ async def test_denied_it_is_not_driven_and_the_assistant_is_told(keys: list[str]
         assert op.app.view.snapshot.goal is None
 
 
-async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await op.press("5")
-        await asks(assistant)
-        await op.until("asks: go to shelf 12")
-        assert op.focused_panel == 5
-        await op.press("y", "enter", "escape", "a", "n", "space")
-        await op.press("A", "tab", "enter")  # sooner than anybody has read it
-        await op.until("Read it first, then answer.")
-        await read(op)
-        op.send("left", "right", "enter")  # as from a paste: all at once
-        await op.settle()
-        op.app.post_message(events.Paste("\t\r"))
-        await op.settle()
-        assert [one.number for one in op.app.station.approvals.waiting] == [1]
-        assert op.app.view.snapshot.goal is None
+def waiting(person: Console | Typed) -> list[int]:
+    """The numbers of the requests that nobody has answered."""
+    station = person.session.station if isinstance(person, Console) else person.station
+    return [request.number for request in station.approvals.waiting]
+
+
+async def is_unread(op: Console) -> None:
+    """What was typed answered nothing, and that is said."""
+    await op.until("Read it first, then answer.")
+    assert waiting(op) == [1]
+    op.app.clear_notifications()
 
 
 def busy(op: Console, span: float) -> None:
@@ -168,47 +158,50 @@ def busy(op: Console, span: float) -> None:
     op.app.call_later(lambda: time.sleep(span))
 
 
-async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await asks(assistant)
-        await opened(op)
-        op.send("tab")
-        busy(op, 0.5)
-        op.send("enter")  # read at the same time, and taken later
-        await op.until("Read it first, then answer.")
-        assert [one.number for one in op.app.station.approvals.waiting] == [1]
-
-
-async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken(
+async def test_what_was_not_read_is_answered_by_no_key_paste_or_click(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with beside(*LONG) as (op, assistant):
+        await op.press("5")
         await asks(assistant)
+        await op.until("asks: go to shelf 12")
+        assert op.focused_panel == 5
+        await op.press("y", "enter", "escape", "a", "n", "space")
+        await op.press("A", "tab", "enter")  # sooner than anybody has read it
+        await is_unread(op)
+        await read(op)
+        op.send("left", "right", "enter")  # as from a paste: all at once
+        await op.settle()
+        op.app.post_message(events.Paste("\t\r"))
+        await op.settle()
+        await is_unread(op)
+        op.send("tab")
+        busy(op, 0.5)
+        op.send("enter")  # read at the same time, and taken later
+        await is_unread(op)
+        await op.press("escape")
+        await op.at(seconds() + HELD)
         since = seconds()
         await op.press("A")
         await op.until("An assistant asks")
         op.send("tab")
         await op.at(seconds() + 0.4)
         busy(op, 1.0)
-        op.send("enter")
-        monkeypatch.setattr(
-            request, "READING_TIME", seconds() - since
-        )  # also where all of it took longer
-        await op.until("Read it first, then answer.")
-        assert [one.number for one in op.app.station.approvals.waiting] == [1]
-
-
-async def test_a_click_counts_as_late_as_a_key() -> None:
-    async with beside(*FAST) as (op, assistant):
-        await asks(assistant)
+        op.send("enter")  # too soon, however late it is taken
+        with monkeypatch.context() as patch:  # also where all of it took longer
+            patch.setattr(request, "READING_TIME", seconds() - since)
+            await is_unread(op)
+        await op.press("escape")
+        await op.at(seconds() + HELD)
         await op.press("A")
         await op.until("An assistant asks")
         button = op.app.screen.query_one("#allow")
         click(op.app, button.region.x + 2, button.region.y)
-        await op.until("Read it first, then answer.")
+        await is_unread(op)
+        assert op.app.view.snapshot.goal is None
         await read(op)
         click(op.app, button.region.x + 2, button.region.y)
-        await op.until("Arrived at shelf 12")
+        await op.until("MOVING to 12")
 
 
 async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: float) -> None:
@@ -263,7 +256,9 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
 
 
 @pytest.mark.parametrize("size", corners([(20, 4)], [(30, 6), (40, 10)]))
-async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> None:
+async def test_what_is_not_all_in_view_is_allowed_only_once_it_was_scrolled(
+    size: tuple[int, int],
+) -> None:
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)
         await op.press("A")
@@ -273,19 +268,12 @@ async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> 
         await read(op)
         await op.press("enter")
         await op.until("▲ Not all of it")
-        assert [one.number for one in op.app.station.approvals.waiting] == [1]
-        assert op.app.view.snapshot.goal is None
-
-
-async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await asks(assistant)
-        await op.press("A")
-        await op.until("An assistant asks")
+        assert waiting(op) == [1]
+        op.app.clear_notifications()
         await op.pilot.resize_terminal(40, 10)
         await op.until("Allow once")
         assert "expires in" not in op.text
-        await op.press("down", "down", "tab")
+        await op.press("down", "down")
         await op.until("expires in")
         await read(op)
         await op.press("enter")
@@ -320,23 +308,12 @@ async def test_what_a_notice_left_no_room_for_is_read_without_it_first() -> None
         await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
 
-async def test_a_request_is_void_once_a_stop_may_have_changed_what_it_means() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await asks(assistant)
-        await opened(op)
-        await op.press("ctrl+x")
-        await op.until(lambda: "An assistant asks" not in op.text)
-        said = await says(assistant, "wait", "request", "1")
-        assert said["code"] == "void"
-
-
 @pytest.mark.parametrize("way", ["stop", "goal", "time", "gone"])
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
+    async with at_a_terminal(*LONG) as (person, assistant), guest() as other:
         await asks(assistant)
-        other = await raw()
         if way == "stop":
             assert (await other.ask("stop"))["code"] == "done"
         elif way == "goal":
@@ -345,16 +322,15 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
             monkeypatch.setattr(approvals, "LIFETIME", 0.0)
         else:
             assistant.close()
-        await until(lambda: not station(person).approvals.waiting)
-        refused = station(person).approvals.answer(1, allowed=True)
+        await until(lambda: not waiting(person))
+        refused = person.station.approvals.answer(1, allowed=True)
         assert refused.text.startswith("request 1 is ")
         if way != "gone":
             said = await says(assistant, "wait", "request", "1")
             assert said["code"] == ("expired" if way == "time" else "void")
-        snapshot = station(person).robot.snapshot
+        snapshot = person.station.robot.snapshot
         goals = [*snapshot.history, snapshot.goal]
         assert all(goal is None or goal.target == "3" for goal in goals)
-        other.close()
 
 
 async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
@@ -369,7 +345,7 @@ async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() 
         await asks(assistant)
         made[0].tell("release")
         await op.until("release: done")
-        assert [one.number for one in op.app.station.approvals.waiting] == [2]
+        assert waiting(op) == [2]
 
 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
@@ -402,14 +378,6 @@ async def test_a_no_is_followed_by_a_pause_and_hides_no_alarm() -> None:
         await op.until("LOW BATTERY")
 
 
-async def test_what_waits_is_withdrawn_by_cancel() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await asks(assistant)
-        said = await says(assistant, "cancel")
-        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
-        assert station(person).approvals.answer(1, allowed=True).text == "request 1 is void"
-
-
 async def test_each_request_tells_of_its_own_goal_and_once_allowed_is_once() -> None:
     async with at_a_terminal(*FAST) as (person, assistant):
         for number, shelf in ((1, 5), (2, 6)):
@@ -420,22 +388,9 @@ async def test_each_request_tells_of_its_own_goal_and_once_allowed_is_once() -> 
         for number, shelf in ((1, 5), (2, 6)):
             told = await says(assistant, "wait", "request", str(number))
             assert told["data"]["values"] == {"shelf_number": shelf}
-        again = station(person).approvals.answer(1, allowed=True)
+        again = person.station.approvals.answer(1, allowed=True)
         assert again.text == "request 1 is allowed"
-        assert len(station(person).robot.snapshot.history) == 2
-
-
-async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
-        snapshot = station(person).robot.snapshot
-        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
-        await asks(assistant)
-        other = await raw()
-        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
-        await allows(person)
-        await heard(person, "Shelf: at most 10, not 12")
-        assert station(person).robot.snapshot.history == snapshot.history == ()
-        other.close()
+        assert len(person.station.robot.snapshot.history) == 2
 
 
 async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
@@ -448,16 +403,7 @@ async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
         await op.until("+2 requests")
 
 
-async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:
-    async with at_a_terminal(*LONG) as (person, assistant):
-        await asks(assistant)
-        await allows(person)
-        await heard(person, "MOVING to 12")
-        assistant.close()
-        await heard(person, "CANCELLED")
-
-
-async def test_it_cancels_its_own_goals_only() -> None:
+async def test_it_cancels_its_own_goals_only_and_the_last_by_leaving() -> None:
     async with at_a_terminal(*LONG) as (person, assistant):
         person.type("go 3\n")
         await heard(person, "MOVING to 3")
@@ -467,13 +413,56 @@ async def test_it_cancels_its_own_goals_only() -> None:
         assert (await asks(assistant))["text"].startswith("another goal runs")
         person.type("cancel\n")
         await heard(person, "CANCELLED")
-        await until(lambda: station(person).robot.snapshot.running_goal is None)
+        await until(lambda: person.station.robot.snapshot.running_goal is None)
         await asks(assistant)
         await allows(person)
         await heard(person, "MOVING to 12")
         assert (await says(assistant, "cancel"))["code"] == "accepted"
         ended = await says(assistant, "wait", "request", "1")
         assert ended["code"] == "cancelled"
+        await asks(assistant)
+        await allows(person, 2)
+        await until(lambda: person.said.count("MOVING to 12") == 2)
+        assistant.close()
+        await until(lambda: person.said.count("goal CANCELLED") == 3)
+
+
+async def test_limits_hold_that_come_before_the_answer_and_are_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with at_a_terminal(*LONG) as (person, assistant), guest() as other:
+        robot = person.station.robot
+        await until(lambda: robot.snapshot.parameter("shelf_count"))
+        count = "set", "motor_controller", "shelf_count"
+        await asks(assistant)
+        assert (await other.ask(*count, "10"))["code"] == "done"
+        await allows(person)
+        await heard(person, "Shelf: at most 10, not 12")
+        assert (await other.ask(*count, "40"))["code"] == "done"
+        known = threading.Event()
+        monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())  # not reported yet
+        assistant.send({"id": 1, "assistant": True, "ask": GO})
+        assert (await other.ask(*count, "10"))["code"] == "done"
+        known.set()
+        assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
+        assert (robot.snapshot.goal, robot.snapshot.history) == (None, ())
+
+
+async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
+    async with at_a_terminal(*FAST) as (person, assistant):
+        assert (await says(assistant, "status"))["code"] == "done"
+        assert (await says(assistant, "stop"))["code"] == "done"
+        await heard(person, f"assistant {os.getpid()}: STOP: confirmed")
+        await until(lambda: person.station.robot.snapshot.is_stopped)
+        said = await asks(assistant)
+        assert said["text"] == "the robot is stopped: a person has to release it first"
+
+
+async def test_nobody_is_asked_who_only_watches() -> None:
+    async with beside(*FAST, watch=True) as (_, assistant):
+        said = await asks(assistant)
+        assert said["code"] == "refused"
+        assert said["text"].startswith("watching only")
 
 
 OTHERS = [
@@ -489,20 +478,6 @@ OTHERS = [
     ["halt", "motor_controller"],
     ["status", "--yes"],
 ]
-
-
-async def test_it_has_no_other_verbs() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await asks(assistant)
-        for words in OTHERS:
-            said = await says(assistant, *words)
-            assert said["code"] in ("refused", "misuse"), words
-            # what was an assistant once is one to its end
-            said = await assistant.ask(*words)
-            assert said["code"] in ("refused", "misuse"), words
-            assert station(person).robot.snapshot.goal is None
-
-
 MISUSED = [
     (None, "kind: the goals of this robot are go"),
     ({"kind": "fly"}, "kind: the goals of this robot are go"),
@@ -517,72 +492,42 @@ MISUSED = [
     ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
     ({"kind": "go", "values": {"shelf_number": 0}}, "Shelf: at least 1, not 0"),
 ]
+WORDS = [
+    *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
+    *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
+]
+VALUES: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
 
 
-async def test_what_cannot_be_meant_is_said_and_nobody_is_asked() -> None:
+async def test_without_a_yes_nothing_moves_whatever_is_said(
+    request: pytest.FixtureRequest,
+) -> None:
     async with at_a_terminal(*FAST) as (person, assistant):
-        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
+        await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
         for wanted, why in MISUSED:
             said = await asks(assistant, wanted)
             assert (said["code"], why in said["text"]) == ("misuse", True), said
-            assert station(person).approvals.waiting == ()
+            assert waiting(person) == []  # nobody is asked
         (goal,) = (await says(assistant, "goals"))["data"]
         about = {"type": "int32", "label": "Shelf", "low": 1, "high": 40}
         assert (goal["kind"], goal["values"]) == ("go", {"shelf_number": about})
-
-
-async def test_a_request_waits_for_limits_that_were_not_reported_yet(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
-        known = threading.Event()
-        monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())
-        assistant.send({"id": 1, "assistant": True, "ask": GO})
-        other = await raw()
-        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
-        known.set()
-        assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
-        other.close()
-
-
-async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
-    async with at_a_terminal(*FAST) as (person, assistant):
-        assert (await says(assistant, "status"))["code"] == "done"
-        assert (await says(assistant, "stop"))["code"] == "done"
-        await heard(person, f"assistant {os.getpid()}: STOP: confirmed")
-        await until(lambda: station(person).robot.snapshot.is_stopped)
-        said = await asks(assistant)
-        assert said["text"] == "the robot is stopped: a person has to release it first"
-
-
-async def test_nobody_is_asked_who_only_watches() -> None:
-    async with beside(*FAST, watch=True) as (_, assistant):
-        said = await asks(assistant)
-        assert said["code"] == "refused"
-        assert said["text"].startswith("watching only")
-
-
-async def test_no_motion_without_a_yes_whatever_is_called(
-    request: pytest.FixtureRequest,
-) -> None:
-    calls = 10_000 if request.config.getoption("--night") else 100
-    choose = Random(11)
-    words = [
-        *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
-        *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
-    ]
-    values: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
-    async with at_a_terminal(*FAST) as (person, assistant):
-        for _ in range(calls):
+        await asks(assistant)
+        for words in OTHERS:
+            for said in (await says(assistant, *words), await assistant.ask(*words)):
+                # what was an assistant once is one to its end
+                assert said["code"] in ("refused", "misuse"), words
+        assert waiting(person) == [1]
+        said = await says(assistant, "cancel")
+        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
+        assert person.station.approvals.answer(1, allowed=True).text == "request 1 is void"
+        choose = Random(11)
+        for _ in range(10_000 if request.config.getoption("--night") else 100):
             if choose.random() < 0.5:
-                kind = choose.choice(["go", "fly", None])
-                await asks(
-                    assistant, {"kind": kind, "values": {"shelf_number": choose.choice(values)}}
-                )
+                kind, value = choose.choice(["go", "fly", None]), choose.choice(VALUES)
+                await asks(assistant, {"kind": kind, "values": {"shelf_number": value}})
             else:
-                await says(assistant, *choose.choice(words), timeout=0.001)
-        snapshot = station(person).robot.snapshot
+                await says(assistant, *choose.choice(WORDS), timeout=0.001)
+        snapshot = person.station.robot.snapshot
         assert (snapshot.goal, snapshot.history) == (None, ())
 
 

@@ -18,9 +18,9 @@ from archo_tui.cli import main
 from archo_tui.cli.completion import fitting
 from archo_tui.console import session
 from archo_tui.recordings import recorder, store
-from tests.client.test_which_console import listening
+from tests.assistant.support import listening
 from tests.support import clock
-from tests.support.shells import raw, served, typed
+from tests.support.shells import guest, served, typed
 
 # One line for each shell, as docs/shell.md has it, and what must run before it.
 LINES = {
@@ -84,26 +84,26 @@ def test_one_line_installs_the_completions_of_a_shell(shell: str, run: Callable[
     assert LINES[shell] in page.read_text(encoding="utf-8")
 
 
+KNOWN = [
+    (("sta",), ["start", "status"]),
+    (("--wat",), ["--watch"]),
+    (("go", "--w"), ["--wait"]),
+    (("cancel", "--a"), ["--all"]),
+    (("completions", "fi"), ["fish"]),
+    (("--engine", "r"), ["ros2"]),
+    (("launch", "--on-disconnect", ""), ["cancel", "leave"]),
+    (("launch", "comp"), ["completions"]),
+    (("check", "--interfaces", ""), ["bin/", "completions"]),
+    (("load", "comp"), ["completions"]),
+]
+
+
 @needs_bash
-@pytest.mark.parametrize(
-    ("words", "wanted"),
-    [
-        (("sta",), ["start", "status"]),
-        (("--wat",), ["--watch"]),
-        (("go", "--w"), ["--wait"]),
-        (("cancel", "--a"), ["--all"]),
-        (("completions", "fi"), ["fish"]),
-        (("--engine", "r"), ["ros2"]),
-        (("launch", "--on-disconnect", ""), ["cancel", "leave"]),
-        (("launch", "comp"), ["completions"]),
-        (("check", "--interfaces", ""), ["bin/", "completions"]),
-        (("load", "comp"), ["completions"]),
-    ],
-)
 def test_bash_completes_what_is_known_without_a_console(
-    words: tuple[str, ...], wanted: list[str], offered: Callable[..., list[str]]
+    offered: Callable[..., list[str]],
 ) -> None:
-    assert sorted(offered(*words)) == wanted
+    for words, wanted in KNOWN:
+        assert sorted(offered(*words)) == wanted, words
 
 
 @needs_bash
@@ -141,12 +141,9 @@ async def test_bash_completes_what_the_console_knows_and_leaves_no_event(
 
 @pytest.mark.parametrize("words", [("stop",), ("stop", ""), ("call", "emergency_stop", "")])
 async def test_the_question_of_a_completion_is_never_a_stop(words: tuple[str, ...]) -> None:
-    async with served() as person:
-        client = await raw()
-        await client.line()
+    async with served() as person, guest() as client:
         client.send({"id": 1, "complete": [*words]})
         assert (await client.result())["code"] == "done"
-        client.close()
         assert "STOP" not in person.said
         await person.end()
 

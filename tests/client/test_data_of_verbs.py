@@ -1,22 +1,26 @@
-"""What programs are told: the recording that `keep` made, the hour as data, and one object."""
+"""What programs are told as data: a recording, the hour, the answer of a service, a result."""
 
 from __future__ import annotations
 
 import asyncio
 import json
 import re
+import time
 from typing import Any
 
 import pytest
 
+import archo_tui
 from archo_tui.base.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
 from archo_tui.verbs.show import ShowHistory
+from tests.robot.test_slow_services import Mapper
 from tests.support import clock
 from tests.support.console import FAST
 from tests.support.plain import operated
-from tests.support.shells import said, served, typed
+from tests.support.robot import making
+from tests.support.shells import guest, served, typed, until
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
 
@@ -88,20 +92,53 @@ def test_history_is_data_with_the_age_of_each_reading() -> None:
     assert all("time" in goal and "phase" in goal for goal in told["goals"])
 
 
-@pytest.mark.parametrize(
-    ("words", "code", "exit_code"),
-    [
-        (("status", "--json"), "unreached", 3),
-        (("stop", "--json"), "unreached", 3),
-        (("statsu", "--json"), "misuse", 2),
-        (("go", "12", "--line", "--json"), "misuse", 2),
-    ],
-)
-def test_a_failure_is_one_object_also_without_a_console(
-    words: tuple[str, ...], code: str, exit_code: int
-) -> None:
-    ended = said(*words)
-    (line,) = ended.out.splitlines()
-    assert json.loads(line)["code"] == code
-    assert json.loads(line)["text"]
-    assert (ended.code, ended.err) == (exit_code, "")
+@pytest.mark.real_time
+async def test_a_shell_prints_the_answer_and_a_program_gets_its_fields() -> None:
+    made: list[Mapper] = []
+    async with served(making(made, Mapper)):
+        made[0].wake()
+        said = await typed("call", "save_map")
+        assert said == (0, "success true, message map.pgm\n", "")
+        said = await typed("call", "save_map", "--json")
+        assert json.loads(said.out)["data"] == {"success": True, "message": "map.pgm"}
+
+        def call() -> Any:
+            with archo_tui.connect() as robot:
+                return robot.do("call", "save_map")
+
+        assert await asyncio.to_thread(call) == {"success": True, "message": "map.pgm"}
+
+
+@pytest.mark.real_time
+async def test_the_result_of_any_goal_that_was_waited_for_is_data() -> None:
+    pytest.importorskip("depot_interfaces")
+    from tests.robots.rover import Counting
+
+    async with served(Counting):
+        said = await typed("send_goal", "fibonacci", "order=3", "--wait")
+        assert (said.code, said.out) == (0, "sequence [0, 1, 1, 2]\n")
+        said = await typed("send_goal", "fibonacci", "order=3", "--wait", "--json")
+        last = json.loads(said.out.splitlines()[-1])
+        assert last["data"]["result"] == {"sequence": [0, 1, 1, 2]}
+
+
+@pytest.mark.real_time
+async def test_who_waits_no_longer_is_told_that_it_may_still_be_done() -> None:
+    made: list[Mapper] = []
+    async with served(making(made, Mapper)), guest() as shell:
+        shell.send({"id": 1, "words": ["call", "save_map"]})
+        await until(lambda: made and made[0].asked)
+        shell.send({"give_up": True})
+        result = await shell.result()
+        assert result["code"] == "cancelled"
+        assert result["text"] == "waiting no longer: the robot may still do it"
+
+
+@pytest.mark.real_time
+async def test_a_time_that_is_over_says_that_it_may_still_be_done() -> None:
+    async with served(Mapper):
+        began = time.monotonic()
+        said = await typed("call", "save_map", "--timeout", "0.5")
+        assert time.monotonic() - began < 2.5  # s: nothing is called off, so nothing is waited for
+        assert said.code == 4
+        assert said.err == "archo-tui: call: not within 0.5 s: the robot may still do it\n"

@@ -9,8 +9,7 @@ import re
 import socket
 import stat
 import threading
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -25,22 +24,11 @@ from archo_tui.robot.stop import sender
 from tests.support.console import FAST, LONG
 from tests.support.night import corners
 from tests.support.plain import Typed, operated
-from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+from tests.support.shells import guest, heard, own_socket, raw, reached, served, typed, until
 from tests.support.stand_in import Made, StandIn
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
-
-
-@asynccontextmanager
-async def guest() -> AsyncIterator[Raw]:
-    """One that has read its hello."""
-    one = await raw()
-    assert (await one.line())["protocol"] == 1
-    try:
-        yield one
-    finally:
-        one.close()
 
 
 async def goes_on(person: Typed) -> None:
@@ -81,17 +69,12 @@ NO_REQUESTS: list[Any] = [
 ]
 
 
-async def test_whatever_is_no_request_is_answered_with_misuse() -> None:
+async def test_whatever_is_no_request_is_misuse_and_a_line_without_an_end_costs_nothing() -> None:
     async with served(ros_args=FAST) as person, guest() as one:
         for said in NO_REQUESTS:
             one.send(said)
             assert (await one.result())["code"] == "misuse", said
             assert (await one.ask("get", "motor_controller", "max_speed"))["code"] == "done"
-        await goes_on(person)
-
-
-async def test_a_line_without_an_end_costs_no_memory_and_no_time() -> None:
-    async with served(ros_args=FAST) as person, guest() as one:
         piece = b"x" * 2**20
         before = _memory()
         for _ in range(40):
@@ -181,7 +164,7 @@ async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_c
         )
         await heard(person, "max_speed 1.0")
         one.close()
-        station = person._plain._station
+        station = person.station
         await until(lambda: not station.clients)
         for _ in range(20):
             await typed("status")
@@ -191,7 +174,7 @@ async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_c
 
 async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() -> None:
     async with served(ros_args=LONG) as person:
-        station = person._plain._station
+        station = person.station
         send = station.robot.send
         sending, go_on = asyncio.Event(), asyncio.Event()
 
@@ -211,60 +194,36 @@ async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() 
         assert not station.queue.waiting
 
 
-@pytest.mark.parametrize("silent", [1, 3])
-async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
-    silent: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("unanswered", "gives_up", "asked", "said"),
+    [
+        (1, False, 2, "CANCELLED"),
+        (3, False, 3, "which has left, may still run: no answer to the cancel in 2 s"),
+        # ROS rejects a second cancel while a goal winds down: the accepted one is the only one.
+        (0, True, 1, "CANCELLED"),
+    ],
+)
+async def test_a_cancel_for_one_that_has_left_is_repeated_until_answered_then_said(
+    unanswered: int, gives_up: bool, asked: int, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person._plain._station.robot, 0
-        cancel = robot.cancel
-
-        async def unheard(*, another: bool = False) -> Outcome:
-            nonlocal asked
-            asked += 1
-            if asked > silent:
-                return await cancel(another=another)
-            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
-
-        monkeypatch.setattr(robot, "cancel", unheard)
-        one.send({"id": 1, "words": ["go", "12"], "wait": True})
-        assert (await one.line())["said"] == "accepted"
-        one.close()
-        said = "which has left, may still run: no answer to the cancel in 2 s"
-        await heard(person, said if silent == 3 else "CANCELLED")
-        assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
-
-
-async def test_a_goal_whose_cancel_was_accepted_is_not_said_to_run_on(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    async with served(ros_args=LONG) as person, guest() as one:
-        robot, asked = person._plain._station.robot, 0
+        robot, cancels = person.station.robot, list[bool]()
         cancel = robot.cancel
 
         async def counted(*, another: bool = False) -> Outcome:
-            nonlocal asked
-            asked += 1  # ROS rejects a second one while a goal winds down.
-            return await cancel(another=another)
+            cancels.append(another)
+            if len(cancels) > unanswered:
+                return await cancel(another=another)
+            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
 
         monkeypatch.setattr(robot, "cancel", counted)
         one.send({"id": 1, "words": ["go", "12"], "wait": True})
         assert (await one.line())["said"] == "accepted"
-        one.send({"give_up": True})  # And again, as it leaves.
+        if gives_up:
+            one.send({"give_up": True})  # And again, as it leaves.
         one.close()
-        await heard(person, "CANCELLED")
-        assert (asked, "may still run" in person.said) == (1, False)
-
-
-async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
-    async with served(ros_args=FAST) as person, guest() as one:
-        assert (await one.ask("stop"))["code"] == "done"
-        one.send({"id": 2, "words": ["release"], "person": True})
-        assert (await one.line())["go"] == "Release"
-        one.send({"give_up": True})
-        assert (await one.result())["id"] == 2  # at once, and nothing was released
-        assert (await one.ask("release", "--yes"))["code"] == "done"
-        await goes_on(person)
+        await heard(person, said)
+        assert (len(cancels), "may still run" in person.said) == (asked, "may" in said)
 
 
 async def test_a_result_and_wait_arrived_tell_of_the_goal_of_the_same_program() -> None:
@@ -290,19 +249,26 @@ async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() ->
         async with guest() as one:
             assert (await one.ask("go", "12"))["code"] == "accepted"
             one.send({"id": 2, "words": ["go", "7"], "wait": True})
-            await until(lambda: person._plain._station.queue.waiting)
-        station = person._plain._station
+            await until(lambda: person.station.queue.waiting)
+        station = person.station
         await until(lambda: not station.queue.waiting)
         assert station.robot.snapshot.running_goal is not None
 
 
-async def test_a_flood_of_stops_reaches_the_robot_a_few_times_and_each_is_answered() -> None:
-    async with served(ros_args=FAST) as person, guest() as one:
+async def test_of_a_flood_all_stops_are_answered_and_other_surplus_is_refused() -> None:
+    async with served(ros_args=FAST) as person, guest() as one, guest() as other:
         one.send(*({"id": n, "words": ["stop"]} for n in range(1000)))
         for number in range(1000):
             said = await one.result()
             assert (said["id"], said["code"]) == (number, "done")
         assert person.said.count("STOP: confirmed") < 20
+        one.send(*({"id": n, "words": ["status"]} for n in range(10_000)))
+        assert (await other.ask("stop"))["code"] == "done"
+        assert (await other.ask("get", "motor_controller", "max_speed"))["code"] == "done"
+        while (said := await one.result())["code"] == "done":
+            assert said["id"] < 100
+        assert said["text"] == "too many requests wait"
+        await goes_on(person)
 
 
 async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
@@ -317,17 +283,6 @@ async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
         brake.node.wake()
         for guest_ in (one, other):
             assert (await guest_.result())["code"] == "done"
-
-
-async def test_of_a_flood_of_requests_the_surplus_is_refused_and_others_are_answered() -> None:
-    async with served(ros_args=FAST) as person, guest() as one, guest() as other:
-        one.send(*({"id": n, "words": ["status"]} for n in range(10_000)))
-        assert (await other.ask("stop"))["code"] == "done"
-        assert (await other.ask("get", "motor_controller", "max_speed"))["code"] == "done"
-        while (said := await one.result())["code"] == "done":
-            assert said["id"] < 100
-        assert said["text"] == "too many requests wait"
-        await goes_on(person)
 
 
 async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
@@ -359,28 +314,9 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
     assert str(folder) in said.err
 
 
-async def test_another_users_program_is_not_even_greeted(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with served(ros_args=FAST) as person:
-        with monkeypatch.context() as patch:
-            patch.setattr(
-                "archo_tui.console.socket._pid_and_uid", lambda _: (4711, os.getuid() + 1)
-            )
-            one = await raw()
-            one.send({"id": 1, "words": ["stop"]})
-            assert await one.line() == {}
-        assert "STOP" not in person.said
-        await goes_on(person)
-
-
-async def test_the_socket_and_its_folder_are_ours_alone_and_go_with_the_console() -> None:
-    async with served(ros_args=FAST):
-        path = Path(own_socket())
-        assert stat.S_IMODE(path.stat().st_mode) == 0o600
-        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
-    assert not path.exists()
-
-
-async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_socket_is_this_users_alone_and_lives_as_long_as_it_listens(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     listen, seen = socket.socket.listen, []
 
     def watched(made: socket.socket, *given: int) -> None:
@@ -390,8 +326,20 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(socket.socket, "listen", watched)
     async with served(ros_args=FAST) as person:
+        assert seen[0] == []
+        path = Path(own_socket())
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+        with monkeypatch.context() as patch:  # Another user's program.
+            patch.setattr(
+                "archo_tui.console.socket._pid_and_uid", lambda _: (4711, os.getuid() + 1)
+            )
+            one = await raw()
+            one.send({"id": 1, "words": ["stop"]})
+            assert await one.line() == {}  # It is not even greeted.
+        assert "STOP" not in person.said
         await goes_on(person)
-    assert seen[0] == []
+    assert not path.exists()
 
 
 def _listens(name: str) -> socket.socket:

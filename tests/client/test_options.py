@@ -12,7 +12,7 @@ from archo_tui.cli import main
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from tests.support.console import FAST, LONG
-from tests.support.shells import Graph, heard, raw, said, served, typed
+from tests.support.shells import Graph, guest, heard, said, served, typed
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -41,14 +41,14 @@ async def test_the_exit_code_says_how_it_ended_and_misuse_sends_nothing() -> Non
             told = await typed(*words.split())
             assert (told.code, told.out) == (code, ""), words
             assert why in told.err, words
-        assert person._plain._station.robot.snapshot.goal is None
+        assert person.station.robot.snapshot.goal is None
         for verb in ("go", "cancel", "status", "echo"):  # As without a console.
             assert (await typed(verb, "--help")).out == f"{helps()[verb]}\n"
 
 
 async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -> None:
     async with served(ros_args=LONG) as person:
-        station = person._plain._station
+        station = person.station
         told = await typed("go", "12", "7", "--wait", "--timeout", "0.5")
         assert (told.code, told.err) == (
             4,
@@ -79,6 +79,7 @@ NOBODY = "no console runs here"
         ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
         ("relaese", 2, f"archo-tui: no command 'relaese' (nearest: release), and {NOBODY}"),
         ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
+        ("go 12 --line", 2, "archo-tui: go has no --line: status has it"),
         ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
         ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
         ("stop", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
@@ -90,6 +91,11 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
     assert (told.code, told.out) == (code, "")
     assert told.err.startswith(text)
     assert told.err.count("\n") == 1
+    as_json = said(*words.split(), "--json")
+    (line,) = as_json.out.splitlines()
+    assert json.loads(line)["code"] == ("misuse" if code == 2 else "unreached")
+    assert json.loads(line)["text"]
+    assert (as_json.code, as_json.err) == (code, "")
 
 
 def test_no_option_that_a_verb_has_is_taken_for_a_misspelt_one() -> None:
@@ -119,23 +125,23 @@ async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
             assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
 
 
-async def test_a_person_who_says_no_in_time_has_answered() -> None:
-    async with served(ros_args=FAST):
+async def test_a_question_ends_with_a_no_with_its_time_and_with_whoever_was_asked() -> None:
+    async with served(ros_args=FAST), guest() as client:
         await typed("stop")
-        client = await raw()
-        await client.line()
-        release = {"id": 1, "words": ["release"], "person": True}
-        for timeout, code, text in (
-            (DEADLINE, "cancelled", "stay stopped"),
-            (0.1, "ran_out", "not within 0.1 s: nobody has answered"),
+        for timeout, says, code, text in (
+            (DEADLINE, {"answer": False}, "cancelled", "stay stopped"),
+            (0.1, {}, "ran_out", "not within 0.1 s: nobody has answered"),
+            (None, {"give_up": True}, "cancelled", "stay stopped"),
         ):
-            client.send({**release, "timeout": timeout})
-            assert "Release the stop?" in (await client.line())["ask"]
-            if code == "cancelled":
-                client.send({"answer": False})
+            release = {"id": 1, "words": ["release"], "person": True, "timeout": timeout}
+            client.send(release)
+            asked = await client.line()
+            assert ("Release the stop?" in asked["ask"], asked["go"]) == (True, "Release")
+            if says:
+                client.send(says)
             result = await client.result()
             assert (result["code"], result["text"]) == (code, text)
-        client.close()
+        assert (await client.ask("release", "--yes"))["code"] == "done"  # Nothing was released.
 
 
 @pytest.mark.parametrize("wrong", ["--bogus", "--engine ros3", "--only", "--ros-args -p a:=b --"])

@@ -9,9 +9,8 @@ import pydoc
 import signal
 import subprocess
 import threading
-import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -51,7 +50,7 @@ async def does(work: Callable[[Robot], Any]) -> Any:
     return await asyncio.to_thread(run)
 
 
-async def test_the_state_is_typed_and_measured() -> None:
+async def test_the_state_is_typed_and_measured_and_events_come_until_their_time() -> None:
     async with served(ros_args=FAST):
         status = await does(lambda robot: robot.status())
         assert status.robot == "ARCHO"
@@ -61,6 +60,14 @@ async def test_the_state_is_typed_and_measured() -> None:
         goal = await does(lambda robot: robot.go(12, 7).wait())
         assert (goal.name, goal.code, goal.values) == ("shelf 7", "arrived", {"shelf_number": 7})
         assert (await does(lambda robot: robot.status())).goal.code == "arrived"
+
+        def listened(robot: Robot) -> list[str]:
+            events = robot.events(timeout=1.5)
+            robot.go(12).wait()
+            return [event["text"] for event in events]
+
+        # They end with their time, and none behind the call is lacking.
+        assert "Arrived at shelf 12" in await does(listened)
 
 
 class Named(Node):
@@ -244,17 +251,6 @@ async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered(
         assert len(robot._handles) == 1
 
 
-async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_call() -> None:
-    async with served(ros_args=FAST):
-
-        def listened(robot: Robot) -> list[str]:
-            events = robot.events(timeout=1.5)
-            robot.go(12).wait()
-            return [event["text"] for event in events]
-
-        assert "Arrived at shelf 12" in await does(listened)
-
-
 REPL = """
 import json, signal, sys, threading, archo_tui
 from archo_tui.client import connection, find
@@ -277,52 +273,52 @@ def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
 
 
+@contextmanager
+def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, Any]]:
+    """A console in a process of its own, and beside it Python that runs the code."""
+    with Script(*SLOW, fresh=fresh) as script:
+        script.ready()
+        python = subprocess.Popen(
+            warm.python("-c", code), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+        )
+        try:
+            yield script, python
+        finally:
+            python.kill()
+            python.communicate()
+
+
 @pytest.mark.usefixtures("one_folder")
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
-    script = Script(*SLOW, fresh=True)
-    script.ready()
-    python = subprocess.Popen(
-        warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
-    )
-    assert python.stdin is not None
-    assert python.stdout is not None
+    with beside_console(REPL, fresh=True) as (script, python):
 
-    def enter(line: str) -> None:
-        assert python.stdin is not None
-        python.stdin.write(f"{line}\n")
-        python.stdin.flush()
+        def enter(line: str) -> None:
+            python.stdin.write(f"{line}\n")
+            python.stdin.flush()
 
-    def told() -> str:
-        assert python.stdout is not None
-        return str(json.loads(python.stdout.readline()))
+        def told() -> str:
+            return str(json.loads(python.stdout.readline()))
 
-    try:
         for call in ("robot.go(12).wait()", "robot.do('go', '12', wait=True)"):
             seen = script.said.count("goal CANCELLED")
             moved = script.said.count("goal MOVING to 12")
             enter(call)
-            _until(script, lambda n=moved: script.said.count("goal MOVING to 12") > n)  # type: ignore[misc]
+            script.until("goal MOVING to 12", moved + 1)
             python.send_signal(signal.SIGINT)
             assert told().startswith("KeyboardInterrupt")
-            _until(script, lambda n=seen: script.said.count("goal CANCELLED") > n)  # type: ignore[misc]
+            script.until("goal CANCELLED", seen + 1)
             enter("robot.cancel()")
             assert told() == "Refused: no goal is running"
         script.signal(signal.SIGSTOP)
-        enter("robot.status()")
-        assert "does not answer: is it suspended?" in told()
-        enter("archo_tui.connect()")
-        assert "does not answer: is it suspended?" in told()
-        enter("archo_tui.stop()")
-        assert "not confirmed: the robot may be moving; the console does not answer" in told()
-        enter("robot.stop()")
-        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        for call in ("robot.status()", "archo_tui.connect()"):
+            enter(call)
+            assert "does not answer: is it suspended?" in told()
+        for call in ("archo_tui.stop()", "robot.stop()"):
+            enter(call)
+            silent = "not confirmed: the robot may be moving; the console does not answer"
+            assert silent in told()
         script.signal(signal.SIGCONT)
         script.until("STOP: confirmed")
-        python.kill()
-    finally:
-        python.kill()
-        python.communicate()
-        script.close()
 
 
 # a worker of a program, as multiprocessing makes it: it lives on when the program is killed
@@ -349,23 +345,13 @@ with archo_tui.connect() as robot:
 
 @pytest.mark.usefixtures("one_folder")
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
-    script = Script(*SLOW)
-    script.ready()
-    python = subprocess.Popen(
-        warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
-    )
-    assert python.stdout is not None
-    try:
+    with beside_console(FORKS) as (script, python):
         said = {python.stdout.readline(), python.stdout.readline()}
         assert said == {"forked\n", "Unreached Unreached shelf 12\n"}
         script._read()
         assert "goal CANCELLED" not in script.said
         python.kill()
         script.until("goal CANCELLED")
-    finally:
-        python.kill()
-        python.communicate()
-        script.close()
 
 
 async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
@@ -378,15 +364,7 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
         await asyncio.to_thread(goal.cancel)
 
 
-def _until(script: Script, holds: Callable[[], bool]) -> None:
-    end = time.monotonic() + DEADLINE
-    while not holds():
-        script._read()
-        assert time.monotonic() < end, script.said
-        time.sleep(0.01)
-
-
-async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
+async def test_a_goal_of_a_program_that_has_gone_or_no_time_is_not_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     has_left, gone = threading.Event(), RequestHandler.on_client_left
@@ -405,17 +383,10 @@ async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
             program.send(json.dumps(request).encode() + b"\n")
         assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
         await typed("wait", "idle")
-        assert "go to shelf 12: accepted" not in person.said
-        assert (await does(lambda robot: robot.status())).goal is None
-
-
-async def test_what_is_sent_after_its_time_is_not_sent() -> None:
-    async with served(ros_args=LONG) as person:
-        await typed("wait", "ready")
         with pytest.raises(RanOut):
             await does(lambda robot: robot.do("go", "12", timeout=0))
-        assert (await does(lambda robot: robot.status())).goal is None
         assert "go to shelf 12: accepted" not in person.said
+        assert (await does(lambda robot: robot.status())).goal is None
 
 
 # consoles that hang or go

@@ -11,11 +11,9 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import pytest
-from rclpy.node import Node
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
@@ -23,7 +21,7 @@ from archo_tui.console import session
 from archo_tui.robot.state.goal import Phase
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant
-from tests.support.robot import making
+from tests.support.robot import hearing, making
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, client, heard, raw, said, served, typed, until
 from tests.support.stand_in import Made, StandIn
@@ -44,17 +42,17 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         first = client("go", "12", "--wait")
         await heard(person, "MOVING to 12")
         second = client("go", "7", "--wait")
-        await until(lambda: person._plain._station.queue.waiting)
+        await until(lambda: person.station.queue.waiting)
         assert (await typed("wait", "arrived", "--timeout", "0")).code == 4
         assert (await typed("cancel")).code == 0
         assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
-        await until(lambda: not person._plain._station.queue.waiting)  # nobody waits for it now
+        await until(lambda: not person.station.queue.waiting)  # nobody waits for it now
 
 
 async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
     async with served(ros_args=FAST) as person:
-        station = person._plain._station
+        station = person.station
         assert (await typed("go", "12", "7")).code == 0
         await typed("stop")
         await until(lambda: station.queue.hold_reason)
@@ -78,7 +76,7 @@ async def test_a_goal_behind_a_stop_that_is_refused_is_said_to_be_held() -> None
 
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
     async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
-        station = person._plain._station
+        station = person.station
         waits = client("go", "12", "7", "--wait")
         await heard(person, "MOVING to 12")
         station.goals._become(station.queue._hold("an obstacle"))
@@ -170,19 +168,17 @@ def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None
         script.until("CANCELLED")
 
 
-@pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
-def test_what_asks_is_answered_at_the_callers_terminal(
-    typed: str, code: int, terminals: list[Terminal]
-) -> None:
+def test_what_asks_is_answered_at_the_callers_terminal(terminals: list[Terminal]) -> None:
     with Script(*SLOW) as script:
         script.type("stop\n")
         script.until("STOP: confirmed")
-        terminal = Terminal("release", domain=script.domain)
-        terminals.append(terminal)
-        terminal.until("nothing resumes by itself. [y/N]")
-        terminal.write(typed)
-        assert terminal.exit_code() == code
-        assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
+        for typed, code in (("\x03", 130), ("n\r", 5), ("y\r", 0)):
+            terminal = Terminal("release", domain=script.domain)
+            terminals.append(terminal)
+            terminal.until("nothing resumes by itself. [y/N]")
+            terminal.write(typed)
+            assert terminal.exit_code() == code
+            assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
 
 
 def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
@@ -203,19 +199,10 @@ def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_en
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    geometry = pytest.importorskip("geometry_msgs.msg")
-    speeds: list[float] = []
-
-    class Driven(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("driven", **options)
-            self.create_subscription(geometry.Twist, "cmd_vel", self.on_speed, 10)
-
-        def on_speed(self, message: Any) -> None:
-            speeds.append(message.linear.x)
-
+    geometry, speeds = pytest.importorskip("geometry_msgs.msg"), list[float]()
+    driven = hearing(speeds, geometry.Twist, "cmd_vel", read=lambda message: message.linear.x)
     words = "pub", "cmd_vel", "linear.x=0.5", "--rate", "20", "--yes"
-    async with served(Driven) as person:
+    async with served(driven) as person:
         command = [sys.executable, "-m", "archo_tui", *words]  # Suspended, so no fork of another.
         shell = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         with monkeypatch.context() as patient:  # A busy shell answers late.
@@ -245,7 +232,7 @@ def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
 async def test_a_goal_that_is_taken_late_is_cancelled(how: str, unlimited: Path) -> None:
     made: list[Hesitant] = []
     async with served(making(made, Hesitant), robot=unlimited) as person:
-        robot = person._plain._station.robot
+        robot = person.station.robot
 
         def phase() -> Phase | None:
             goal = robot.snapshot.goal

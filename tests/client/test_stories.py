@@ -43,6 +43,8 @@ REFUSED = ("go refused",)
 # Not waited for: what a client that waits has queued goes when the client ends.
 QUEUED = Step("go 12 99 7", "g 1 2 space 9 9 space 7 enter", (*DRIVEN, *REFUSED), waits=False)
 STORIES: dict[str, tuple[list[Step], str]] = {
+    "nothing to release": ([Step("release --yes", "R", ())], ""),
+    "the encoder is reset": ([Step("reset", "r", ("reset done",))], ""),
     "a goal arrives": ([GO], "arrived"),
     "two in one line arrive": (
         [Step("go 12 7", "g 1 2 space 7 enter", DRIVEN + DRIVEN)],
@@ -71,10 +73,10 @@ STORIES: dict[str, tuple[list[Step], str]] = {
         ],
         "arrived",
     ),
-    "a stopped robot goes nowhere": ([STOP, GO._replace(outcomes=REFUSED)], "refused"),
-    "released it goes": ([STOP, RELEASE, GO], "arrived"),
-    "nothing to release": ([Step("release --yes", "R", ())], ""),
-    "the encoder is reset": ([Step("reset", "r", ("reset done",))], ""),
+    "a stopped robot goes nowhere, released it goes": (
+        [STOP, GO._replace(outcomes=REFUSED), RELEASE, GO],
+        "arrived",
+    ),
 }
 
 
@@ -98,66 +100,44 @@ def is_over(station: Station, wanted: list[str]) -> bool:
     return there and not going and (snapshot.motion.stopped is stopped)
 
 
-async def told(station: Station, steps: list[Step], do: Callable[[Step], Awaitable[object]]) -> str:
-    """Go through a story; returns how its last goal ended."""
+async def tell(station: Station, do: Callable[[Step], Awaitable[object]]) -> None:
+    """Go through all stories, one after the other, at one console."""
     wanted: list[str] = []
-    await until(lambda: is_over(station, wanted))
 
     def is_done() -> bool:
         return len(outcomes(station)) >= len(wanted) and is_over(station, wanted)
 
-    for step in steps:
-        await do(step)
-        wanted += step.outcomes
+    for name, (steps, end) in STORIES.items():
         await until(is_done, lambda: str(outcomes(station)))
-        assert outcomes(station) == wanted
-    goal = station.robot.snapshot.goal
-    return "" if goal is None or goal.code is None else goal.code.value
+        for step in steps:
+            await do(step)
+            wanted += step.outcomes
+            await until(is_done, lambda: str(outcomes(station)))
+            assert outcomes(station) == wanted, name
+        goal = station.robot.snapshot.goal
+        assert ("" if goal is None or goal.code is None else goal.code.value) == end, name
 
 
-# What the others tell by day, and only the night tells by keys as well.
-TOLD = {
-    "two in one line arrive",
-    "no such shelf",
-    "nothing is left of a list whose first goal is refused",
-    "what is held is continued",
-    "nothing to release",
-    "the encoder is reset",
-}
-
-
-@pytest.fixture(params=STORIES)
-def story(request: pytest.FixtureRequest) -> tuple[list[Step], str]:
-    return STORIES[request.param]
-
-
-@pytest.mark.parametrize(
-    "name", corners([name for name in STORIES if name not in TOLD], sorted(TOLD))
-)
-async def test_by_keys(name: str, unlimited: Path) -> None:
-    steps, end = STORIES[name]
+async def test_by_keys(unlimited: Path) -> None:
     async with console(*FAST, robot=unlimited) as op:
 
         async def do(step: Step) -> None:
             await op.press(*step.keys.split())
 
-        assert await told(op.session.station, steps, do) == end
+        await tell(op.session.station, do)
 
 
-async def test_by_lines(story: tuple[list[Step], str], unlimited: Path) -> None:
-    steps, end = story
+async def test_by_lines(unlimited: Path) -> None:
     async with served(robot=unlimited, ros_args=FAST) as person:
 
         async def do(step: Step) -> None:
             person.type(f"{step.words}\n")
 
-        assert await told(person._plain._station, steps, do) == end
+        await tell(person.station, do)
 
 
 @pytest.mark.parametrize("screen", corners([False], [True]), ids=["plain", "screen"])
-async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimited: Path) -> None:
-    steps, end = story
-
+async def test_from_a_shell(screen: bool, unlimited: Path) -> None:
     async def do(step: Step) -> None:
         waits = ["--wait"] if step.words.startswith("go") and step.waits else []
         said = await typed(*step.words.split(), *waits)
@@ -170,14 +150,13 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
     if screen:
         async with console(*FAST, robot=unlimited, remote=True) as op:
             await op.until(own_socket)
-            assert await told(op.session.station, steps, do) == end
+            await tell(op.session.station, do)
     else:
         async with served(robot=unlimited, ros_args=FAST) as person:
-            assert await told(person._plain._station, steps, do) == end
+            await tell(person.station, do)
 
 
-async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> None:
-    steps, end = story
+async def test_from_python(unlimited: Path) -> None:
     async with served(robot=unlimited, ros_args=FAST) as person:
         with await asyncio.to_thread(archo_tui.connect) as robot:
 
@@ -188,7 +167,7 @@ async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> No
             async def do(step: Step) -> None:
                 await asyncio.to_thread(run, step)
 
-            assert await told(person._plain._station, steps, do) == end
+            await tell(person.station, do)
 
 
 SET = "set motor_controller"
@@ -263,26 +242,14 @@ async def test_what_cannot_be_done_is_said_alike_by_lines_shell_and_python() -> 
 ENDED = "the goal that was asked about has ended"
 
 
-async def test_a_question_about_a_goal_closes_at_a_terminal_once_that_has_ended() -> None:
-    async with served(ros_args=LONG, at_terminal=True) as person:
-        person.type("go 12 7\n")
-        await heard(person, "MOVING to 12")
-        person.type("reset\n")
-        await heard(person, "shelf 12. Reset encoder now? [y/N]")
-        assert (await typed("cancel")).code == 0
-        await heard(person, f"failed: reset: {ENDED}")
-        assert await person.end() == 1
-        assert "reset encoder" not in person.said
-
-
-async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
+async def test_a_question_closes_with_its_goal_and_the_line_read_meanwhile_is_carried_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with served(ros_args=LONG, at_terminal=True) as person:
         person.type("go 12\n")
         await heard(person, "MOVING to 12")
         person.type("reset\n")
-        await heard(person, "[y/N]")
+        await heard(person, "shelf 12. Reset encoder now? [y/N]")
         with monkeypatch.context() as patch:
             patch.setattr(Input, "is_quiet", False)  # More may be behind it.
             person.type("nodes\n")
@@ -290,6 +257,8 @@ async def test_a_line_read_as_an_answer_when_its_question_closed_is_carried_out(
             assert (await typed("cancel")).code == 0
             await heard(person, f"failed: reset: {ENDED}")
         await heard(person, "motor_controller up")
+        assert await person.end() == 1
+        assert "reset encoder" not in person.said
 
 
 async def test_a_question_about_a_goal_closes_on_the_screen_once_that_has_ended() -> None:

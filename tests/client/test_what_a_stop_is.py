@@ -6,9 +6,7 @@ import asyncio
 import json
 import re
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import nullcontext
-from types import SimpleNamespace
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -20,9 +18,8 @@ from archo_tui.client.mcp.server import make_server
 from archo_tui.console import socket as server
 from archo_tui.robot.stop import words as lines
 from archo_tui.robot.stop.gate import Stops
-from tests.assistant.support import FakeConsole, fake_console, parameters
-from tests.assistant.test_its_connection import INITIALIZE
-from tests.support.shells import until
+from tests.assistant.support import INITIALIZE, FakeConsole, fake_console, process
+from tests.support.shells import Graph, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -144,21 +141,6 @@ async def test_options_of_a_verb_stand_before_it_and_none_keeps_a_stop_away(
         assert (code == 0) == (words is not None)
 
 
-class Graph:
-    """The robot on the graph, to which a verb goes where no console runs."""
-
-    def __init__(self, asked: list[Any]) -> None:
-        self._asked = asked
-
-    def __call__(self, session: Callable[[], Any]) -> Any:
-        self._asked.append(session().options)
-        return nullcontext(self)
-
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        self._asked.append(asked["words"])
-        yield {"code": "done", "text": "confirmed"}
-
-
 @pytest.mark.parametrize(
     ("line", "namespace"),
     [
@@ -171,14 +153,13 @@ class Graph:
 def test_a_misspelt_option_loses_no_stop_where_no_console_runs(
     line: str, namespace: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked: list[Any] = []
-    monkeypatch.setattr("archo_tui.console.attached.attached", Graph(asked))
+    graph, made = Graph(), list[Any]()
+    monkeypatch.setattr("archo_tui.session.session.Session", made.append)
     monkeypatch.setattr(
-        "archo_tui.session.session.Session", lambda options: SimpleNamespace(options=options)
+        "archo_tui.console.attached.attached", lambda session: session() or graph.attach()
     )
     assert main(line.split()) == 0
-    assert asked[0].engine == "ros2"
-    assert (asked[0].namespace, asked[1]) == (namespace, ["stop"])
+    assert (made[0].engine, made[0].namespace, graph.asked) == ("ros2", namespace, [["stop"]])
     assert "trying to send STOP anyway\n" in capsys.readouterr().err
 
 
@@ -188,21 +169,17 @@ def test_a_stop_that_nobody_gets_is_never_called_sent(capsys: pytest.CaptureFixt
 
 
 async def test_arguments_that_are_none_stop_the_robot_too() -> None:
-    words = parameters()
     async with fake_console() as console:
         console.answer("stop", "done", "confirmed")
-        process = await asyncio.create_subprocess_exec(
-            words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
-        )
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdin.write(INITIALIZE)
-        await asyncio.wait_for(process.stdout.readline(), DEADLINE)
+        ours = await process(first=INITIALIZE)
+        assert ours.stdin is not None
+        assert ours.stdout is not None
+        await asyncio.wait_for(ours.stdout.readline(), DEADLINE)
         for given in ("now", ["now"], 5, None):
             request = {"name": "Stop!", "arguments": given}
             asked = {"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": request}
-            process.stdin.write(json.dumps(asked).encode() + b"\n")
+            ours.stdin.write(json.dumps(asked).encode() + b"\n")
             await stopped(console)
-            answer = json.loads(await asyncio.wait_for(process.stdout.readline(), DEADLINE))
+            answer = json.loads(await asyncio.wait_for(ours.stdout.readline(), DEADLINE))
             assert answer["result"]["isError"] is False
-        await asyncio.wait_for(process.communicate(b""), DEADLINE)
+        await asyncio.wait_for(ours.communicate(b""), DEADLINE)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import signal
 import socket
 import threading
@@ -24,7 +23,7 @@ from archo_tui.client.mcp.connection import ConsoleConnection
 from archo_tui.client.mcp.server import make_server
 from archo_tui.client.shell import print_consoles
 from archo_tui.console import socket as server
-from tests.assistant.support import FakeConsole
+from tests.assistant.support import FakeConsole, fake_console, listening
 from tests.support.night import corners
 from tests.support.script import SLOW, Script
 from tests.support.shells import (
@@ -43,7 +42,6 @@ from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
-HELLO = {"protocol": 1, "version": "0", "robot": "ARCHO", "engine": "embedded", "domain": None}
 STATUS = {"robot": "R", "namespace": "/", "watching": False, "alarms": [], "stop": "", "line": ""}
 
 
@@ -57,42 +55,13 @@ def _place(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def listening(
-    namespace: str, pid: int = 7, **more: Any
-) -> Iterator[tuple[socket.socket, dict[str, Any]]]:
-    """Listen where a console does, and take nobody: as one that is suspended."""
-    name = f"{pid}-{os.urandom(4).hex()}"
-    hello = {**HELLO, "namespace": namespace, "pid": pid, "watching": False, "name": name, **more}
-    made, path = server.open_socket(hello)
-    try:
-        yield made, hello
-    finally:
-        made.close()
-        sockets.remove(path)
-
-
-class Answering(FakeConsole):
-    """A console that says which one it is, and whatever is asked is done."""
-
-    def __init__(self, hello: dict[str, Any]) -> None:
-        super().__init__(hello["pid"])
-        self.hello = hello
-        self.answer("stop", "done", "confirmed")
-        self.answer("status", "done", "fine", tells=True, data=STATUS)
-
-
 @asynccontextmanager
-async def answering(namespace: str, pid: int = 7, **more: Any) -> AsyncIterator[Answering]:
-    with listening(namespace, pid, **more) as (made, hello):
-        console = Answering(hello)
-        serving = asyncio.ensure_future(console.serve(made))
-        try:
-            yield console
-        finally:
-            serving.cancel()
-            with suppress(asyncio.CancelledError):
-                await serving
+async def answering(namespace: str, pid: int = 7, **more: Any) -> AsyncIterator[FakeConsole]:
+    """A console that says which one it is, and whatever is asked is done."""
+    async with fake_console(pid, namespace, **more) as console:
+        console.answer("stop", "done", "confirmed")
+        console.answer("status", "done", "fine", tells=True, data=STATUS)
+        yield console
 
 
 # mouths: each ends with an exit code, or as an assistant's tool does
@@ -439,7 +408,7 @@ SENT: list[list[bytes]] = [
 
 async def test_a_stop_of_a_client_that_has_gone_is_carried_out() -> None:
     async with served() as person:
-        stops = person._plain._station.robot.stops
+        stops = person.station.robot.stops
         for number, sent in enumerate(SENT, 1):
             await typed("status")  # greeted: what comes is not the first
             with held():

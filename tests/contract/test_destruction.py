@@ -9,7 +9,6 @@ import pytest
 from archo_interfaces.action import MoveToShelf
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Int32
 from std_srvs.srv import Trigger
@@ -140,8 +139,7 @@ def test_a_nodes_own_endpoints_are_counted_without_those_of_its_actions(ros: Ros
 
 def test_an_executor_lists_a_destroyed_node_until_it_is_removed(ros: Ros) -> None:
     node = ros.node()
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     ticks: list[int] = []
     node.create_timer(0.0, lambda: ticks.append(1))
     node.destroy_node()
@@ -170,12 +168,10 @@ def test_a_service_that_is_destroyed_in_its_own_callback_ends_the_spinning(
     client = other.create_client(Trigger, "end")
     wait_until(client.service_is_ready)
     future = client.call_async(Trigger.Request())
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     with pytest.raises(InvalidHandle):
         ros.spin_here(executor, lambda: False)
     assert not future.done()
-    executor.shutdown(0)
 
 
 def test_a_node_that_is_destroyed_in_a_timer_runs_no_other_timer(ros: Ros) -> None:
@@ -188,10 +184,8 @@ def test_a_node_that_is_destroyed_in_a_timer_runs_no_other_timer(ros: Ros) -> No
 
     for _ in range(2):
         node.create_timer(0.01, end)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     pass_time(0.05)  # both are due
     for _ in range(4):
         executor.spin_once(timeout_sec=0.05)
     assert ran == [1]
-    executor.shutdown(0)

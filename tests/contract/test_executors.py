@@ -1,14 +1,19 @@
-"""Rules 5 and 8: timers, callback groups, exceptions, futures and tasks."""
+"""Rules 5 and 8: timers, callback groups, exceptions, futures, tasks and coroutines."""
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
+import functools
 import threading
 import warnings
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
 import pytest
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionClient, ActionServer
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import (
     Executor,
@@ -89,9 +94,12 @@ def test_a_new_period_counts_from_reset(ros: Ros) -> None:
     wait_until(lambda: len(ticks) >= 2)
 
 
-def _overlap(ros: Ros, group: Any) -> int:
-    """The highest number of callbacks of one group that ran at the same time."""
-    node = ros.node()
+@pytest.mark.parametrize(
+    ("group", "at_once"),
+    [(lambda: None, 1), (MutuallyExclusiveCallbackGroup, 1), (ReentrantCallbackGroup, 2)],
+)
+def test_only_a_reentrant_groups_callbacks_overlap(group: Any, at_once: int, ros: Ros) -> None:
+    node, made = ros.node(), group()
     running, most = [0], [0]
     lock, ran = threading.Lock(), [0]
     both = threading.Barrier(2)
@@ -107,64 +115,39 @@ def _overlap(ros: Ros, group: Any) -> int:
             ran[0] += 1
 
     for _ in range(2):
-        node.create_subscription(Int32, "topic", callback, 10, callback_group=group)
+        node.create_subscription(Int32, "topic", callback, 10, callback_group=made)
     publisher = node.create_publisher(Int32, "topic", 10)
     wait_until(lambda: publisher.get_subscription_count() == 2)
     ros.spin(node, executor=MultiThreadedExecutor(4, context=ros.context))
     publisher.publish(Int32())
     wait_until(lambda: ran[0] == 2)
-    return most[0]
+    assert most[0] == at_once
 
 
-def test_a_mutually_exclusive_group_excludes(ros: Ros) -> None:
-    assert _overlap(ros, MutuallyExclusiveCallbackGroup()) == 1
-
-
-def test_the_default_group_excludes(ros: Ros) -> None:
-    assert _overlap(ros, None) == 1
-
-
-def test_a_reentrant_group_overlaps(ros: Ros) -> None:
-    assert _overlap(ros, ReentrantCallbackGroup()) == 2
-
-
-def test_an_exception_leaves_spin_and_nobody_elses(ros: Ros) -> None:
+@pytest.mark.parametrize("is_coroutine", [False, True])
+def test_an_exception_leaves_spin_and_nobody_elses(ros: Ros, is_coroutine: bool) -> None:
     bad, good = ros.node("bad"), ros.node("good")
     ticks: list[int] = []
 
     def explode() -> None:
         raise ZeroDivisionError("boom")
 
-    bad.create_timer(0.01, explode)
+    async def explode_later() -> None:
+        explode()
+
+    bad.create_timer(0.01, explode_later if is_coroutine else explode)
     good.create_timer(0.01, lambda: ticks.append(1))
     ros.spin(good)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(bad)
+    executor = ros.executor(bad)
     with pytest.raises(ZeroDivisionError, match="boom"):
         executor.spin()
     seen = len(ticks)
     wait_until(lambda: len(ticks) > seen)
-    executor.shutdown(0)
-
-
-def test_an_exception_of_a_coroutine_leaves_spin_too(ros: Ros) -> None:
-    node = ros.node()
-
-    async def explode() -> None:
-        raise ZeroDivisionError("boom")
-
-    node.create_timer(0.01, explode)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
-    with pytest.raises(ZeroDivisionError):
-        executor.spin()
-    executor.shutdown(0)
 
 
 def test_shutting_the_context_down_ends_spin(ros: Ros) -> None:
     node = ros.node()
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     ended: list[object] = []
 
     def spin() -> None:
@@ -181,25 +164,16 @@ def test_shutting_the_context_down_ends_spin(ros: Ros) -> None:
     assert ended in (["returned"], ["raised"])
 
 
-def test_spin_once_gives_up_after_its_timeout(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(ros.node())
-    executor.spin_once(timeout_sec=0.01)
-    executor.shutdown(0)
-
-
 def test_spin_until_future_complete(ros: Ros) -> None:
     node = ros.node()
     future: Future[int] = Future()
     node.create_timer(0.01, lambda: future.set_result(7))
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     executor.spin_until_future_complete(future, 10)
     assert future.result() == 7
     never: Future[int] = Future()
     executor.spin_until_future_complete(never, 0.02)
     assert not never.done()
-    executor.shutdown(0)
 
 
 def test_a_task_returns_its_value_and_awaits_futures(ros: Ros) -> None:
@@ -220,13 +194,12 @@ def test_a_task_returns_its_value_and_awaits_futures(ros: Ros) -> None:
 
 
 def test_tasks_begin_in_the_order_in_which_they_were_given(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
+    executor = ros.executor()
     begun: list[int] = []
     for number in range(5):
         executor.create_task(begun.append, number)
     ros.spin_here(executor, lambda: len(begun) == 5)
     assert begun == [0, 1, 2, 3, 4]
-    executor.shutdown()
 
 
 def test_a_future_has_one_of_three_ends() -> None:
@@ -273,21 +246,18 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
     other.create_subscription(Int32, "topic", lambda _: ran.append("kept"), 10)
     publisher = other.create_publisher(Int32, "topic", 10)
     wait_until(lambda: publisher.get_subscription_count() == 2)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
-    executor.add_node(other)
+    executor = ros.executor(node, other)
     publisher.publish(Int32())
     executor.remove_node(node)
     while not ran:
         executor.spin_once(1.0)
     executor.spin_once(0.05)
     assert ran == ["kept"]
-    executor.shutdown(0)
 
 
 def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> None:
     nodes = ros.node("first"), ros.node("second")
-    executor = SingleThreadedExecutor(context=ros.context)
+    executor = ros.executor()
     ran: list[str] = []
     for node in nodes:
         node.create_timer(0.01, partial(ran.append, node.get_name()))
@@ -299,7 +269,6 @@ def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> No
     for _ in range(3):
         executor.spin_once(0.05)
     assert set(ran) == {first}
-    executor.shutdown(0)
 
 
 def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_services(
@@ -324,8 +293,7 @@ def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_servi
     client = other.create_client(Trigger, "call")
     wait_until(lambda: all(p.get_subscription_count() == 1 for p in publishers.values()))
     assert client.wait_for_service(10.0)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    executor = ros.executor(node)
     for name in "xxxy":
         publishers[name].publish(Int32())
     client.call_async(Trigger.Request())
@@ -334,17 +302,12 @@ def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_servi
     while len(ran) < 7:
         executor.spin_once(1.0)
     assert ran == ["task", "timer", "x", "y", "service", "x", "x"]
-    executor.shutdown(0)
 
 
 def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them(ros: Ros) -> None:
     node, other = ros.node("busy"), ros.node("other")
-    ran: list[str] = []
-    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 100)
-    publisher = other.create_publisher(Int32, "topic", 100)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    publisher, ran = ros.topic(Int32, other, node, qos=100)
+    executor = ros.executor(node)
     for _ in range(100):
         publisher.publish(Int32())
     pass_time(0.2)
@@ -352,18 +315,13 @@ def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them
     executor.create_task(lambda: ran.append("task"))
     executor.spin_once(1.0)
     executor.spin_once(1.0)
-    assert ran == ["message", "task", "message"]
-    executor.shutdown(0)
+    assert ran == [Int32(), "task", Int32()]
 
 
 def test_after_a_rest_tasks_come_first_again(ros: Ros) -> None:
     node, other = ros.node("rested"), ros.node("other")
-    ran: list[str] = []
-    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 10)
-    publisher = other.create_publisher(Int32, "topic", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    publisher, ran = ros.topic(Int32, other, node)
+    executor = ros.executor(node)
     for _ in range(2):
         executor.create_task(lambda: ran.append("task"))
         executor.spin_once(1.0)
@@ -373,8 +331,7 @@ def test_after_a_rest_tasks_come_first_again(ros: Ros) -> None:
         executor.create_task(lambda: ran.append("task"))
         executor.spin_once(1.0)
         executor.spin_once(1.0)
-    assert ran == ["task", "task", "message"] * 2
-    executor.shutdown(0)
+    assert ran == ["task", "task", Int32()] * 2
 
 
 class Alternating(Executor):
@@ -388,6 +345,7 @@ class Alternating(Executor):
         task, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
         self.order.append("a task" if node is None else node.get_name())
         assert entity is None or self.can_execute(entity) in (True, False)
+        assert node is None or entity in list(node.subscriptions)
         task()
 
 
@@ -410,7 +368,7 @@ def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
 
 
 def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
+    executor = ros.executor()
 
     async def answer() -> int:
         return 42
@@ -418,12 +376,6 @@ def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
     task = executor.create_task(answer())  # type: ignore[arg-type]
     executor.spin_until_future_complete(task, 10.0)
     assert task.result() == 42
-    executor.shutdown()
-
-
-def test_a_pool_has_at_least_one_thread(ros: Ros) -> None:
-    with pytest.raises(ValueError, match="greater than 0"):
-        MultiThreadedExecutor(0, context=ros.context)
 
 
 @pytest.mark.real_time
@@ -475,27 +427,157 @@ def test_an_executor_of_ones_own_has_no_spin_but_its_own(ros: Ros) -> None:
     executor.shutdown()
 
 
-def test_an_executor_of_ones_own_asks_for_what_is_ready(ros: Ros) -> None:
-    one, other = ros.node("one"), ros.node("other")
-    executor = SingleThreadedExecutor(context=ros.context)
-    for node in (one, other):
-        executor.add_node(node)
-        node.create_subscription(Int32, "a", lambda _: None, 10)
-    one.create_publisher(Int32, "a", 10).publish(Int32())
-    heard: set[Any] = set()
-    while heard != {one, other}:
-        task, entity, whose = executor.wait_for_ready_callbacks(10.0)
-        task()
-        if whose is not None and entity in list(whose.subscriptions):
-            heard.add(whose)
-    executor.shutdown()
-
-
 def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
+    executor = ros.executor()
     node = ros.node()
     executor.add_node(node)
     node.create_timer(0.01, None)  # type: ignore[arg-type]
     with pytest.raises(UnboundLocalError, match="arg_name"):
         executor.spin_once(5.0)
-    executor.shutdown()
+
+
+@pytest.fixture
+def forgotten() -> Iterator[Callable[[Any], Any]]:
+    """Hands a coroutine on that nobody will await; Python is not to complain of it."""
+    coroutines: list[Any] = []
+
+    def forget(coroutine: Any) -> Any:
+        coroutines.append(coroutine)
+        return coroutine
+
+    yield forget
+    for coroutine in coroutines:
+        coroutine.close()
+
+
+def _telling(*distances: float) -> Callable[[Any], Any]:
+    """An execute callback whose goals give this feedback in one go and succeed."""
+
+    def execute(goal: Any) -> Any:
+        for distance in distances:
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=distance))
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    return execute
+
+
+def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_not(
+    ros: Ros, forgotten: Callable[[Any], Any]
+) -> None:
+    node = ros.node()
+    heard: list[str] = []
+
+    async def hear(how: str, _: Any = None) -> None:
+        heard.append(how)
+
+    node.create_subscription(Int32, "a", functools.partial(hear, "partial"), 10)
+    node.create_subscription(Int32, "a", lambda message: forgotten(hear("lambda")), 10)
+    node.create_timer(0.01, functools.partial(hear, "timer"))
+    node.create_timer(0.01, lambda: forgotten(hear("lambda of a timer")))
+    node.create_publisher(Int32, "a", 10).publish(Int32())
+    executor = ros.executor(node)
+    while not {"partial", "timer"} <= set(heard):
+        executor.spin_once(10.0)
+    for _ in range(8):
+        executor.spin_once(0.01)
+    assert set(heard) == {"partial", "timer"}
+
+
+def test_a_service_that_returns_a_coroutine_without_async_answers_with_an_error(
+    ros: Ros, forgotten: Callable[[Any], Any]
+) -> None:
+    async def answer(response: Any) -> Any:
+        return response
+
+    node = ros.node()
+    node.create_service(Trigger, "t", lambda request, response: forgotten(answer(response)))
+    future = node.create_client(Trigger, "t").call_async(Trigger.Request())
+    executor = ros.executor(node)
+    with pytest.raises(TypeError):
+        executor.spin_until_future_complete(future, 10.0)
+
+
+def test_feedback_is_awaited_by_an_async_callback(ros: Ros) -> None:
+    heard: list[float] = []
+
+    async def hear(message: Any) -> None:
+        heard.append(message.feedback.distance_remaining)
+
+    node = ros.node()
+    executor = ros.executor(node)
+    server = ActionServer(node, MoveToShelf, "move", _telling(3.0))
+    client = ActionClient(node, MoveToShelf, "move")
+    goal = client.send_goal_async(MoveToShelf.Goal(), feedback_callback=hear)
+    executor.spin_until_future_complete(goal, 10.0)
+    while not heard:
+        executor.spin_once(10.0)
+    assert heard == [3.0]
+    client.destroy()
+    server.destroy()
+
+
+def test_what_a_plain_function_returns_is_the_tasks_value(
+    ros: Ros, forgotten: Callable[[Any], Any]
+) -> None:
+    async def answer() -> int:
+        return 42
+
+    executor = ros.executor()
+    task = executor.create_task(lambda: forgotten(answer()))
+    executor.spin_once(0)
+    assert task.result().__name__ == "answer"
+    with pytest.raises(TypeError):
+        executor.create_task(answer, 1)  # at once: the coroutine is made here
+
+
+def test_a_task_that_waits_does_not_execute_and_is_closed_when_it_is_cancelled(
+    ros: Ros,
+) -> None:
+    never: Future[None] = Future()
+    closed: list[bool] = []
+
+    async def wait() -> None:
+        try:
+            await never
+        finally:
+            closed.append(True)
+
+    executor = ros.executor()
+    task = executor.create_task(wait)
+    executor.spin_once(0)
+    assert not task.executing()
+    task.cancel()
+    assert closed == [True]
+    assert task.cancelled()
+    assert not task.done()
+
+
+def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture[str]) -> None:
+    for looked_at in (False, True):
+        future: Future[None] = Future()
+        future.set_exception(ValueError(f"looked at: {looked_at}"))
+        if looked_at:
+            future.exception()
+        del future
+    said = capfd.readouterr().err
+    assert said == "The following exception was never retrieved: looked at: False\n"
+
+
+def test_a_future_can_be_awaited_in_asyncio_while_its_loop_spins_the_node(ros: Ros) -> None:
+    node = ros.node()
+    node.create_service(Trigger, "t", lambda request, response: response)
+    client = node.create_client(Trigger, "t")
+    executor = ros.executor(node)
+
+    async def ask() -> Any:
+        return await client.call_async(Trigger.Request())
+
+    async def both() -> Any:
+        asking = asyncio.ensure_future(ask())
+        while not asking.done():
+            executor.spin_once(timeout_sec=0.01)
+            await asyncio.sleep(0)
+        return await asking
+
+    assert isinstance(asyncio.run(both()), Trigger.Response)

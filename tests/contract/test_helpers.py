@@ -1,4 +1,4 @@
-"""The small things of rclpy that ordinary nodes use beside the four means of talking."""
+"""The small things that ordinary nodes use: what can be read, written and called of them."""
 
 from __future__ import annotations
 
@@ -8,48 +8,49 @@ from typing import Any
 
 import pytest
 import rclpy
+from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
+from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import ROSInterruptException
+from rclpy.exceptions import InvalidHandle, ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
-from std_msgs.msg import Int32
+from std_msgs.msg import Float32MultiArray, Header, Int32
+from std_srvs.srv import Trigger
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
 
 def test_spinning_once_with_its_own_executor_leaves_the_node_in_it(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    node = ros.node()
+    executor = ros.executor(node)
     rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
     done: Future[int] = Future()
     done.set_result(1)
     rclpy.spin_until_future_complete(node, done, executor)
     assert node in executor.get_nodes()
     assert node.executor is executor
-    executor.shutdown(0)
 
 
 def test_between_two_spins_a_task_can_be_given_to_the_nodes_executor(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
     ran: list[int] = []
     assert node.executor is executor
     node.executor.create_task(lambda: ran.append(1))
     rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
     assert ran == [1]
-    executor.shutdown(0)
 
 
 def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     ticks: list[int] = []
     node.create_timer(0.01, lambda: ticks.append(1))
     for _ in range(200):
@@ -58,39 +59,34 @@ def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
     ticks.clear()
     rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
     assert ticks == [1]
-    executor.shutdown(0)
 
 
 def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    node, executor = ros.node(), ros.executor()
     node.executor = executor
     assert node in executor.get_nodes()
     node.executor = None
     assert node not in executor.get_nodes()
-    executor.shutdown(0)
 
 
 def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
+    node = ros.node()
+    executor = ros.executor(node)
     node.create_timer(0.01, lambda: None)
     future: Future[int] = Future()
     executor.spin_until_future_complete(future, 0.3)
     assert len(future._callbacks) <= 1  # none at all on the embedded engine
-    executor.shutdown(0)
 
 
 @pytest.mark.real_time
 def test_a_future_that_another_thread_sets_ends_the_spin_at_once(ros: Ros) -> None:
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(ros.node())
+    executor = ros.executor(ros.node())
     future: Future[int] = Future()
     setter = threading.Timer(0.05, lambda: future.set_result(1))
     setter.start()
     executor.spin_once_until_future_complete(future, 60.0)
     assert future.done()
     setter.join()
-    executor.shutdown(0)
 
 
 def test_a_rate_sleeps_from_tick_to_tick_until_the_end(ros: Ros) -> None:
@@ -167,12 +163,6 @@ def test_a_nodes_publishers_are_those_that_it_made_and_its_parameters(ros: Ros) 
     assert sorted(p.topic_name for p in node.publishers) == ["/parameter_events", "/topic"]
 
 
-def test_a_line_is_logged_at_a_severity(ros: Ros) -> None:
-    logger = ros.node().get_logger()
-    assert logger.log("x", LoggingSeverity.INFO)
-    assert not logger.log("x", LoggingSeverity.DEBUG)
-
-
 def test_init_returns_what_ends_it_again() -> None:
     context = Context()
     no = SignalHandlerOptions.NO
@@ -184,11 +174,6 @@ def test_init_returns_what_ends_it_again() -> None:
         assert not context.ok()
     finally:
         context.try_shutdown()  # else its logging is that of the tests behind this one
-
-
-def test_ros_arguments_are_sorted_out() -> None:
-    words: list[Any] = ["a", "--ros-args", "-r", "x:=y", "--", "b"]
-    assert remove_ros_args(words) == ["a", "b"]
 
 
 def test_loggers_levels_are_seen_and_set_through_services(ros: Ros) -> None:
@@ -231,3 +216,107 @@ def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
     node = quiet.node("quiet")
     assert node.count_publishers("/rosout") == 0
     quiet.close()
+
+
+DESCRIBES_TYPES = "start_type_description_service"
+
+
+@pytest.fixture
+def made(ros: Ros) -> dict[str, Any]:
+    """One of each that a node makes."""
+    node = ros.node()
+    return {
+        "publisher": node.create_publisher(Int32, "a", 10),
+        "subscription": node.create_subscription(Int32, "a", lambda _: None, 10),
+        "service": node.create_service(Trigger, "s", lambda request, response: response),
+        "client": node.create_client(Trigger, "s"),
+        "timer": node.create_timer(1.0, lambda: None),
+    }
+
+
+def test_what_the_graph_knows_is_read_only(made: dict[str, Any]) -> None:
+    for what, names in {
+        "publisher": "topic_name logger_name",
+        "subscription": "topic_name logger_name",
+        "service": "service_name logger_name",
+        "client": "service_name logger_name",
+        "timer": "clock",
+    }.items():
+        for name in names.split():
+            with pytest.raises(AttributeError):
+                setattr(made[what], name, None)
+
+
+def test_what_was_destroyed_has_no_name_on_the_graph(made: dict[str, Any]) -> None:
+    for what, name in (("publisher", "topic_name"), ("client", "service_name")):
+        made[what].destroy()
+        with pytest.raises(InvalidHandle):
+            getattr(made[what], name)
+
+
+def test_a_client_knows_its_requests_that_wait(ros: Ros) -> None:
+    node = ros.node()
+    client = node.create_client(Trigger, "s")
+    assert client.context is ros.context
+    future = client.call_async(Trigger.Request())
+    future.cancel()
+    assert future.cancelled()
+
+
+def test_a_negative_wait_for_others_is_over_at_once(ros: Ros) -> None:
+    node = ros.node()
+    mover = ActionClient(node, MoveToShelf, "move")
+    for waits in (
+        node.create_client(Trigger, "s").wait_for_service,
+        AsyncParameterClient(node, "nobody").wait_for_services,
+        mover.wait_for_server,
+    ):
+        assert waits(-1.0) is False
+    mover.destroy()
+
+
+def test_an_answer_goes_to_the_header_of_a_request(made: dict[str, Any]) -> None:
+    with pytest.raises(TypeError):
+        made["service"].send_response(Trigger.Response(), 3)
+
+
+def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
+    called: list[str] = []
+    ros.context.on_shutdown(lambda: called.append("then"))
+    ros.context.try_shutdown()
+    assert called == ["then"]
+    ros.context.on_shutdown(lambda: called.append("late"))
+    assert called == ["then", "late"]
+
+
+def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() -> None:
+    assert remove_ros_args(["x", "--ros-args", "-r", "a:=b", "--", "y"]) == ["x", "y"]
+    with pytest.raises(RuntimeError, match="--bad"):
+        remove_ros_args(["x", "--ros-args", "--bad"])
+
+
+def test_numbers_are_converted_when_an_array_is_made() -> None:
+    message = Float32MultiArray(data=[1, 2])
+    assert message.data.tolist() == [1.0, 2.0]
+    assert Float32MultiArray(data=map(float, "12")) == message
+    with pytest.raises(AssertionError, match="each value of type 'float'"):
+        message.data = ["x"]
+    with pytest.raises((AssertionError, TypeError)):
+        Float32MultiArray(data=["x"])
+
+
+def test_a_message_within_a_message_is_asked_for_by_its_name() -> None:
+    with pytest.raises(AssertionError, match="must be a sub message of type 'Time'"):
+        Header(stamp=3)  # type: ignore[arg-type]
+
+
+def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
+    node = ros.node()
+    assert node.list_parameters([], 0).names == [
+        "use_sim_time",
+        DESCRIBES_TYPES,
+    ]
+    assert node.get_parameter_type(DESCRIBES_TYPES) == 1
+    assert node.describe_parameter(DESCRIBES_TYPES).read_only
+    said: Parameter[bool] = Parameter(DESCRIBES_TYPES, value=False)
+    assert "read-only" in node.set_parameters([said])[0].reason

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partialmethod
 from typing import Any
 
 import pytest
@@ -43,23 +44,12 @@ class Told(LifecycleNode):
         answer: TransitionCallbackReturn = said
         return answer
 
-    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("configure", state)
-
-    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("cleanup", state)
-
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("activate", state)
-
-    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("deactivate", state)
-
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("shutdown", state)
-
-    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._say("error", state)
+    on_configure = partialmethod(_say, "configure")
+    on_cleanup = partialmethod(_say, "cleanup")
+    on_activate = partialmethod(_say, "activate")
+    on_deactivate = partialmethod(_say, "deactivate")
+    on_shutdown = partialmethod(_say, "shutdown")
+    on_error = partialmethod(_say, "error")
 
 
 def made(ros: Ros, kind: type[LifecycleNode] = Told, **options: Any) -> Any:

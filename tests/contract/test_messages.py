@@ -1,15 +1,48 @@
-"""Rules 1 and 3: messages are copied, fields are checked on assignment."""
+"""Messages: fields are checked and copied, arrays of both kinds, bytes as DDS has them."""
 
 from __future__ import annotations
 
 import array
+import copy
 import math
+import pickle
+from collections import UserList, deque
+from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
-from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterValue, SetParametersResult
-from std_msgs.msg import Float32, Float64, Int32, String, UInt8
+from builtin_interfaces.msg import Time
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    ListParametersResult,
+    Log,
+    Parameter,
+    ParameterDescriptor,
+    ParameterEvent,
+    ParameterValue,
+    SetParametersResult,
+)
+from rclpy.serialization import deserialize_message, serialize_message
+from std_msgs.msg import (
+    Bool,
+    Byte,
+    Char,
+    ColorRGBA,
+    Empty,
+    Float32,
+    Float64,
+    Float64MultiArray,
+    Header,
+    Int32,
+    Int32MultiArray,
+    Int64,
+    MultiArrayDimension,
+    MultiArrayLayout,
+    String,
+    UInt8,
+    UInt8MultiArray,
+)
 from unique_identifier_msgs.msg import UUID
 
 from tests.support.ros import Ros
@@ -99,40 +132,23 @@ def test_a_message_that_does_not_exist_is_an_import_error() -> None:
 
 
 def test_sender_and_receivers_never_share_a_message(ros: Ros) -> None:
-    received: list[Float32] = []
     node = ros.node()
-    node.create_subscription(Float32, "topic", received.append, 10)
-    node.create_subscription(Float32, "topic", received.append, 10)
-    publisher = node.create_publisher(Float32, "topic", 10)
+    publisher, received = ros.topic(Float32, node)
+    others: list[Float32] = []
+    node.create_subscription(Float32, "topic", others.append, 10)
     wait_until(lambda: publisher.get_subscription_count() == 2)
     ros.spin(node)
-    message = Float32(data=1.0)
+    message = Float32(data=87.3)
     publisher.publish(message)
     message.data = 2.0
-    wait_until(lambda: len(received) == 2)
-    assert [m.data for m in received] == [1.0, 1.0]
-    assert received[0] is not received[1]
-    assert message not in received
-
-
-def test_float32_is_rounded_on_the_way(ros: Ros) -> None:
-    received: list[Float32] = []
-    node = ros.node()
-    node.create_subscription(Float32, "topic", received.append, 10)
-    publisher = node.create_publisher(Float32, "topic", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    ros.spin(node)
-    publisher.publish(Float32(data=87.3))
-    wait_until(lambda: received)
-    assert received[0].data == 87.30000305175781
+    wait_until(lambda: received and others)
+    assert received[0] is not others[0]
+    assert received[0].data == others[0].data == 87.30000305175781  # Rounded on the way.
 
 
 def test_an_array_is_copied_too(ros: Ros) -> None:
     node = ros.node()
-    heard: list[ParameterValue] = []
-    node.create_subscription(ParameterValue, "values", heard.append, 10)
-    publisher = node.create_publisher(ParameterValue, "values", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
+    publisher, heard = ros.topic(ParameterValue, node)
     ros.spin(node)
     sent = array.array("q", [1, 2, 3])
     message = ParameterValue(integer_array_value=sent)
@@ -141,3 +157,232 @@ def test_an_array_is_copied_too(ros: Ros) -> None:
     message.integer_array_value[1] = 99
     wait_until(lambda: heard)
     assert list(heard[0].integer_array_value) == [1, 2, 3]
+
+
+SIXTEEN = list(range(16))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        [1, 2],
+        (1, 2),
+        {1, 2},
+        range(1, 3),
+        deque([1, 2]),
+        UserList([1, 2]),
+        array.array("i", [1, 2]),
+    ],
+)
+def test_a_sequence_or_a_set_is_taken(value: object) -> None:
+    message = Int32MultiArray()
+    message.data = value
+    assert message.data == array.array("i", [1, 2])
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        {1: 2},
+        {1: 2}.values(),
+        (number for number in (1, 2)),
+        map(int, (1, 2)),
+        "12",
+        [1, "2"],
+        [1.0],
+        [2**40],
+        None,
+        3,
+    ],
+)
+def test_what_is_no_sequence_of_such_values_is_refused(value: object) -> None:
+    for message in (Int32MultiArray(data=[7]), UInt8MultiArray(data=[7])):
+        with pytest.raises(
+            AssertionError, match="must be a set or sequence and each value of type"
+        ):
+            message.data = value
+        assert list(message.data) == [7]
+
+
+def test_integers_in_an_array_of_floats_are_published_as_floats(ros: Ros) -> None:
+    node = ros.node()
+    publisher, received = ros.topic(Float64MultiArray, node)
+    ros.spin(node)
+    message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]  # rosidl's default
+    message.data = [0, 1, 2]
+    publisher.publish(message)
+    wait_until(lambda: received)
+    assert [repr(number) for number in received[0].data] == ["0.0", "1.0", "2.0"]
+
+
+def test_an_integer_that_no_float_holds_is_refused_by_an_error() -> None:
+    message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]
+    with pytest.raises((AssertionError, OverflowError), match=r"float|double"):
+        message.data = [1, 10**310]
+    with pytest.raises((AssertionError, OverflowError), match="float"):
+        Float64MultiArray(data=[1, 10**310])
+
+
+def test_an_array_of_another_type_code_is_refused() -> None:
+    for code in "hqd":
+        with pytest.raises(AssertionError, match="must have the type code of 'i'"):
+            Int32MultiArray().data = array.array(code, [1])
+
+
+def test_what_is_wrong_with_an_array_names_its_length_and_its_limits() -> None:
+    with pytest.raises(AssertionError, match=r"\[-2147483648, 2147483647\]"):
+        Int32MultiArray().data = ["x"]
+    with pytest.raises(AssertionError, match="with length <= 1 and each value of type 'Floating"):
+        ParameterDescriptor().floating_point_range = [FloatingPointRange()] * 2
+    with pytest.raises(AssertionError, match="with length 16 and each value of type 'int'"):
+        UUID().uuid = [1] * 15
+
+
+def test_a_list_that_was_assigned_can_be_filled_until_it_is_sent(ros: Ros) -> None:
+    node = ros.node()
+    publisher, heard = ros.topic(ListParametersResult, node)
+    ros.spin(node)
+    names: Any = ["a"]
+    message = ListParametersResult(names=names, prefixes={"c"})  # type: ignore[arg-type]
+    names.append("b")
+    publisher.publish(message)
+    names.append("too late")
+    wait_until(lambda: heard)
+    assert (heard[0].names, heard[0].prefixes) == (["a", "b"], ["c"])
+
+
+def test_messages_with_arrays_of_a_fixed_size_are_compared() -> None:
+    one, same, other = (UUID(uuid=values) for values in (SIXTEEN, SIXTEEN, [3] * 16))
+    assert one == same
+    assert one != other
+    assert one.uuid.tolist() == SIXTEEN
+
+
+def test_their_elements_are_read_and_set() -> None:
+    uuid: Any = UUID(uuid=SIXTEEN).uuid
+    uuid[0] = 9
+    assert uuid.tolist() == [9, *SIXTEEN[1:]]
+    assert bytes(uuid) == uuid.tobytes() == bytes(uuid.tolist())
+    assert uuid[5:7].tolist() == [5, 6]
+    assert (len(uuid), uuid[-1], 15 in uuid) == (16, 15, True)
+    for wrong in (-1, 256):
+        with pytest.raises(OverflowError):
+            uuid[0] = wrong
+
+
+def test_bytes_are_no_array_of_a_fixed_size_but_an_array_of_bytes_is() -> None:
+    with pytest.raises(ValueError, match=r"bytes|invalid literal for int"):
+        UUID().uuid = bytes(16)
+    for value in (bytearray(SIXTEEN), array.array("B", SIXTEEN), array.array("h", SIXTEEN)):
+        assert UUID(uuid=value).uuid.tolist() == SIXTEEN
+
+
+def test_one_that_is_assigned_is_shared_and_a_copy_is_not() -> None:
+    one, other = UUID(uuid=SIXTEEN), UUID()
+    other.uuid = one.uuid
+    one.uuid[0] = 77
+    assert other.uuid[0] == 77
+    for alone in (
+        copy.deepcopy(one),
+        pickle.loads(pickle.dumps(one)),
+        UUID(uuid=one.uuid.tolist()),
+    ):
+        alone.uuid[0] = 3
+        assert one.uuid[0] == 77
+        assert alone.uuid.tolist() == [3, *SIXTEEN[1:]]
+    with pytest.raises(AssertionError, match=r"must have a size of 16|with length 16"):
+        other.uuid = one.uuid[:8]
+
+
+VALUE = ParameterValue(
+    type=9,
+    string_array_value=["a", "bcd"],
+    double_array_value=[1.0, 2.0],
+    byte_array_value=[b"x"],
+    bool_array_value=[True, False],
+    integer_array_value=[-1],
+)
+VALUES_BYTES = (
+    "0001000009000000000000000000000000000000000000000000000001000000000000000100000078000000"
+    "02000000010000000100000000000000ffffffffffffffff0200000000000000000000000000f03f00000000"
+    "000000400200000002000000610000000400000062636400"
+)
+MESSAGES = [
+    (String(data="hi"), "0001000003000000686900"),
+    (Float64(data=1.5), "00010000000000000000f83f"),
+    (Int64(data=-2), "00010000feffffffffffffff"),
+    (UInt8MultiArray(data=[1, 2, 3]), "00010000000000000000000003000000010203"),
+    (ColorRGBA(r=1.0, g=0.5, a=0.25), "000100000000803f0000003f000000000000803e"),
+    (Header(frame_id="map"), "000100000000000000000000040000006d617000"),
+    (Bool(data=True), "0001000001"),
+    (Byte(data=b"a"), "0001000061"),
+    (Char(data=65), "0001000041"),
+    (Empty(), "0001000000"),
+]
+
+
+@pytest.mark.parametrize(("message", "text"), MESSAGES, ids=lambda item: type(item).__name__)
+def test_a_message_has_the_bytes_that_dds_has(message: Any, text: str) -> None:
+    data = serialize_message(message)
+    assert data.hex().startswith(text)
+    assert len(data) in (len(text) // 2, 8)  # Fast DDS fills the shortest ones up
+    assert deserialize_message(bytes.fromhex(text), type(message)) == message
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Log(stamp=Time(sec=1, nanosec=2), level=30, name="n", msg="mm", file="f", line=4),
+        Float64MultiArray(
+            layout=MultiArrayLayout(
+                dim=[MultiArrayDimension(label="x", size=3, stride=4)], data_offset=7
+            ),
+            data=[0.5, -1.0],
+        ),
+        ParameterEvent(node="/n", new_parameters=[Parameter(name="p", value=VALUE)]),
+    ],
+    ids=lambda message: type(message).__name__,
+)
+def test_what_is_written_is_read_back_the_same(message: Any) -> None:
+    assert deserialize_message(serialize_message(message), type(message)) == message
+
+
+def test_what_stands_between_the_fields_is_not_read() -> None:
+    assert deserialize_message(bytes.fromhex(VALUES_BYTES), ParameterValue) == VALUE
+
+
+def test_big_endian_is_read_too() -> None:
+    assert deserialize_message(b"\0\0\0\0\0\0\0\3hi\0", String) == String(data="hi")
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"\0\1\0\0\xff\xff\xff\xff", b"\0\1\0\0\5\0\0\0hi", b"\0\1\0\0"]
+)
+def test_other_bytes_are_refused(data: bytes) -> None:
+    with pytest.raises(RuntimeError, match="failed to deserialize ROS message"):
+        deserialize_message(data, String)
+
+
+def test_what_is_no_message_and_no_bytes_is_refused() -> None:
+    with pytest.raises(AttributeError):
+        serialize_message(3)
+    with pytest.raises(AttributeError):
+        deserialize_message(b"\0\1\0\0", int)
+    with pytest.raises(TypeError):
+        deserialize_message("text", String)  # type: ignore[arg-type]
+
+
+def test_a_raw_subscription_gets_bytes_and_bytes_can_be_published(ros: Ros) -> None:
+    node = ros.node()
+    raw: list[bytes] = []
+    texts: list[str] = []
+    node.create_subscription(String, "words", raw.append, 10, raw=True)
+    node.create_subscription(String, "words", lambda m: texts.append(m.data), 10)
+    publisher = node.create_publisher(String, "words", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 2)
+    ros.spin(node)
+    publisher.publish(String(data="hey"))
+    publisher.publish(b"\0\1\0\0\3\0\0\0hi\0")
+    wait_until(lambda: len(raw) == len(texts) == 2)
+    assert raw == [b"\0\1\0\0\4\0\0\0hey\0", b"\0\1\0\0\3\0\0\0hi\0"]
+    assert texts == ["hey", "hi"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import threading
 import traceback
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -161,19 +160,6 @@ def test_what_has_passed_of_a_period_is_left_when_simulated_time_ends(
     assert left is not None
     assert 0 < left <= 6 * 10**9
     assert timer.time_since_last_call() >= 94 * 10**9
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        lambda _: Clock(clock_type=3),  # type: ignore[arg-type]
-    ],
-)
-def test_what_is_no_clock_and_no_time_is_refused(
-    wrong: Callable[[ROSClock], object],
-) -> None:
-    with pytest.raises((TypeError, ValueError)):
-        wrong(ROSClock())
 
 
 def test_a_clock_of_ros_time_is_a_ros_clock_and_takes_an_override() -> None:

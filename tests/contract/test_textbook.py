@@ -1,4 +1,4 @@
-"""The textbook's listings run unchanged, each spun with rclpy.spin in a thread."""
+"""The textbook's listings run unchanged in the default context; `tests/chapter` checks each."""
 
 from __future__ import annotations
 
@@ -10,9 +10,7 @@ from typing import Any
 
 import pytest
 import rclpy
-from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import ResetEncoder
-from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -21,11 +19,8 @@ from std_msgs.msg import Float32
 
 from tests.contract.textbook import (
     battery_publisher,
-    battery_subscriber,
     motor_parameters,
-    move_action_server,
     reset_client,
-    reset_service,
 )
 from tests.support import chosen
 from tests.support.ros import Ros
@@ -34,140 +29,74 @@ from tests.support.waiting import wait_until
 DOMAIN = chosen.next_domain()  # of the listings, which use the default context
 
 
-class Listing:
-    """Runs a listing's node as its main() does, but with a domain of the test's own."""
-
-    def __init__(self) -> None:
-        self._thread: threading.Thread | None = None
-        self.nodes: list[Any] = []
-
-    def spin(self, make: Callable[[], Node], *words: str) -> Any:
-        rclpy.init(
-            args=["--ros-args", "--disable-stdout-logs", *words],
-            domain_id=DOMAIN,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        node = make()
-        self.nodes.append(node)
-
-        def run() -> None:
-            try:
-                with contextlib.suppress(ExternalShutdownException):
-                    rclpy.spin(node)
-            except Exception as error:
-                # shut down while a callback published, or just as rclpy builds its wait set
-                is_over = isinstance(error, InvalidHandle) or "context is not valid" in str(error)
-                if rclpy.ok() or not is_over:
-                    raise
-
-        self._thread = threading.Thread(target=run, daemon=True)
-        self._thread.start()
-        return node
-
-    def end(self) -> None:
-        rclpy.try_shutdown()
-        if self._thread is not None:
-            self._thread.join(10)
-            assert not self._thread.is_alive()
-        for node in self.nodes:
-            node.destroy_node()
-
-
 @pytest.fixture
-def listing(monkeypatch: pytest.MonkeyPatch) -> Iterator[Listing]:
+def neighbour(monkeypatch: pytest.MonkeyPatch) -> Iterator[Ros]:
+    """Nodes of the test's on the same domain, in a context of their own."""
     # two contexts of one process must see each other here, and nobody else's
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    running = Listing()
-    yield running
-    running.end()
+    with Ros(domain_id=DOMAIN) as graph:
+        yield graph
 
 
-@pytest.fixture
-def neighbour(listing: Listing) -> Iterator[Ros]:
-    """Nodes of the test's on the same domain, in a context of their own."""
-    graph = Ros(domain_id=DOMAIN)
-    yield graph
-    graph.close()
+@contextlib.contextmanager
+def listed(make: Callable[[], Node], *words: str) -> Iterator[Any]:
+    """A listing's node, run as its main() does, but with a domain of the test's own."""
+    rclpy.init(
+        args=["--ros-args", "--disable-stdout-logs", *words],
+        domain_id=DOMAIN,
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
+    node = make()
+
+    def run() -> None:
+        try:
+            with contextlib.suppress(ExternalShutdownException):
+                rclpy.spin(node)
+        except Exception as error:
+            # shut down while a callback published, or just as rclpy builds its wait set
+            is_over = isinstance(error, InvalidHandle) or "context is not valid" in str(error)
+            if rclpy.ok() or not is_over:
+                raise
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    try:
+        yield node
+    finally:
+        rclpy.try_shutdown()
+        thread.join(10)
+        node.destroy_node()
+    assert not thread.is_alive()
 
 
-def test_the_publisher_counts_down(listing: Listing, neighbour: Ros) -> None:
+def test_the_publisher_counts_down(neighbour: Ros) -> None:
     heard: list[float] = []
     neighbour.spun("ear").create_subscription(
         Float32, "battery_level", lambda m: heard.append(m.data), 10
     )
-    listing.spin(battery_publisher.BatteryPublisher)
-    wait_until(lambda: len(heard) >= 3)
+    with listed(battery_publisher.BatteryPublisher):
+        wait_until(lambda: len(heard) >= 3)
     assert heard[1] - heard[2] == 0.5
 
 
-def test_the_subscriber_logs_and_warns(listing: Listing, neighbour: Ros) -> None:
-    lines: list[str] = []
-    reader = neighbour.spun("reader")
-    reader.create_subscription(Log, "/rosout", lambda m: lines.append(m.msg), 100)
-    publisher = reader.create_publisher(Float32, "battery_level", 10)
-    listing.spin(battery_subscriber.Dashboard)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    wait_until(lambda: reader.count_publishers("/rosout") >= 2)
-
-    def said() -> bool:
-        publisher.publish(Float32(data=18.0))  # again and again: discovery takes its time
-        return {"Dashboard sees: 18.0%", "Low battery: 18.0%"} <= set(lines)
-
-    wait_until(said)
-
-
-def test_the_service_answers_a_client(listing: Listing, neighbour: Ros) -> None:
-    listing.spin(reset_service.MotorController)
-    client = neighbour.spun("operator").create_client(ResetEncoder, "reset_encoder")
-    assert client.wait_for_service(10.0)
-    answer = neighbour.result(client.call_async(ResetEncoder.Request()))
-    assert (answer.success, answer.message) == (True, "Encoder reset to zero")
-
-
 def test_the_client_spins_until_its_future_is_complete(
-    listing: Listing, monkeypatch: pytest.MonkeyPatch
+    neighbour: Ros, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    server = Ros(domain_id=DOMAIN)
-    try:
-        node = server.spun("motor_controller")
-        node.create_service(
-            ResetEncoder,
-            "reset_encoder",
-            lambda request, response: ResetEncoder.Response(success=True, message="done"),
-        )
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(DOMAIN))
-        response: Any = reset_client.main(  # type: ignore[no-untyped-call]
-            ["--ros-args", "--disable-stdout-logs"]
-        )
-        assert (response.success, response.message) == (True, "done")
-    finally:
-        server.close()
-
-
-def test_the_action_server_with_sleep_reports_and_arrives(listing: Listing, neighbour: Ros) -> None:
-    listing.spin(move_action_server.MotorController)
-    feedback: list[float] = []
-    client = neighbour.action_client(MoveToShelf, "move_to_shelf")
-    assert client.wait_for_server(10.0)
-    handle = neighbour.result(
-        client.send_goal_async(
-            MoveToShelf.Goal(shelf_number=12),
-            lambda m: feedback.append(m.feedback.distance_remaining),
-        )
+    answer = ResetEncoder.Response(success=True, message="done")
+    node = neighbour.spun("motor_controller")
+    node.create_service(ResetEncoder, "reset_encoder", lambda request, response: answer)
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(DOMAIN))
+    response: Any = reset_client.main(  # type: ignore[no-untyped-call]
+        ["--ros-args", "--disable-stdout-logs"]
     )
-    cancel = neighbour.result(handle.cancel_goal_async())  # answered when the sleeping is over
-    assert len(cancel.goals_canceling) == 0
-    answer = neighbour.result(handle.get_result_async())
-    assert answer.result.final_message == "Arrived at shelf 12"
-    wait_until(lambda: len(feedback) == 6)
-    assert feedback == [15.0, 12.0, 9.0, 6.0, 3.0, 0.0]
+    assert response == answer
 
 
-def test_the_parameters_come_from_the_textbooks_file(listing: Listing, tmp_path: Path) -> None:
+def test_the_parameters_come_from_the_textbooks_file(neighbour: Ros, tmp_path: Path) -> None:
     file = tmp_path / "motor_params.yaml"
     file.write_text(
         "motor_controller:\n  ros__parameters:\n    max_speed: 1.2\n    wheel_radius: 0.1\n"
     )
-    node = listing.spin(motor_parameters.MotorController, "--params-file", str(file))
-    assert node.get_parameter("max_speed").value == 1.2
-    assert node.get_parameter("wheel_radius").value == 0.1
+    with listed(motor_parameters.MotorController, "--params-file", str(file)) as node:
+        assert node.get_parameter("max_speed").value == 1.2
+        assert node.get_parameter("wheel_radius").value == 0.1

@@ -1,15 +1,27 @@
-"""Rules 2 and 4: delivery in a later turn, history depth, durability, QoS that must match."""
+"""Topics: delivery in a later turn, history, QoS that must match, what endpoints tell."""
 
 from __future__ import annotations
 
-import threading
+from collections.abc import Callable
+from typing import Any
 
 import pytest
+from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import Log
+from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    QoSPresetProfiles,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from std_msgs.msg import Float32, Int32, String
+from std_srvs.srv import Empty
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -21,15 +33,12 @@ BEST_EFFORT = QoSProfile(depth=3, reliability=ReliabilityPolicy.BEST_EFFORT)
 def test_nothing_is_delivered_inside_publish(ros: Ros) -> None:
     node = ros.node()
     events: list[str] = []
-    done = threading.Event()
     publisher = node.create_publisher(Int32, "chain", 10)
 
     def on_message(message: Int32) -> None:
         events.append(f"begin {message.data}")
         if message.data < 2:
             publisher.publish(Int32(data=message.data + 1))
-        else:
-            done.set()
         events.append(f"end {message.data}")
 
     node.create_subscription(Int32, "chain", on_message, 10)
@@ -40,34 +49,15 @@ def test_nothing_is_delivered_inside_publish(ros: Ros) -> None:
     assert events == ["begin 0", "end 0", "begin 1", "end 1", "begin 2", "end 2"]
 
 
-def test_an_unspun_subscription_keeps_the_last_depth_messages(ros: Ros) -> None:
-    received: list[int] = []
+@pytest.mark.parametrize("depth", [1, 3])
+def test_an_unspun_subscription_keeps_the_last_depth_messages(ros: Ros, depth: int) -> None:
     node = ros.node()
-    node.create_subscription(Int32, "topic", lambda m: received.append(m.data), 3)
-    publisher = node.create_publisher(Int32, "topic", 100)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
+    publisher, received = ros.topic(Int32, node, qos=depth)
     for number in range(10):
         publisher.publish(Int32(data=number))
     ros.spin(node)
-    wait_until(lambda: received and received[-1] == 9)
-    assert received == [7, 8, 9]
-
-
-def test_a_depth_of_one_keeps_the_last_message_only(ros: Ros) -> None:
-    received: list[int] = []
-    late: list[int] = []
-    node = ros.node()
-    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(Int32, "topic", lambda m: received.append(m.data), 1)
-    publisher = node.create_publisher(Int32, "topic", latched)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    for number in range(3):
-        publisher.publish(Int32(data=number))
-    deep = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(Int32, "topic", lambda m: late.append(m.data), deep)
-    ros.spin(node)
-    wait_until(lambda: 2 in received and 2 in late)
-    assert (received, late) == ([2], [2])
+    wait_until(lambda: received and received[-1].data == 9)
+    assert [message.data for message in received] == [*range(10 - depth, 10)]
 
 
 def test_a_transient_local_publisher_serves_late_joiners_that_ask(ros: Ros) -> None:
@@ -88,64 +78,33 @@ def test_a_transient_local_publisher_serves_late_joiners_that_ask(ros: Ros) -> N
     assert volatile == [5]
 
 
-@pytest.mark.parametrize(
-    ("offered", "requested", "policy"),
-    [(10, LATCHED, "DURABILITY"), (BEST_EFFORT, 10, "RELIABILITY")],
-)
-def test_incompatible_qos_does_not_connect_and_says_so(
-    ros: Ros, offered: QoSProfile | int, requested: QoSProfile, policy: str
-) -> None:
+def test_incompatible_qos_does_not_connect_and_says_so(ros: Ros) -> None:
     received: list[Int32] = []
     logs: list[str] = []
     listener = ros.node("listener")
     listener.create_subscription(Log, "/rosout", lambda m: logs.append(m.msg), 100)
     node = ros.node("node")
     ros.spin(listener, node)
-    publisher = node.create_publisher(Int32, "topic", offered)
-    node.create_subscription(Int32, "topic", received.append, requested)
-    wait_until(lambda: any("incompatible QoS" in line and policy in line for line in logs))
+    publisher = node.create_publisher(Int32, "topic", 10)
+    node.create_subscription(Int32, "topic", received.append, LATCHED)
+    wait_until(lambda: any("incompatible QoS" in x and "DURABILITY" in x for x in logs))
     publisher.publish(Int32(data=1))
     assert publisher.get_subscription_count() == 0
     assert received == []
 
 
-@pytest.mark.parametrize(("offered", "requested"), [(LATCHED, 10), (10, BEST_EFFORT)])
-def test_a_subscription_that_asks_less_connects(
-    ros: Ros, offered: QoSProfile | int, requested: QoSProfile | int
-) -> None:
-    node = ros.node()
-    publisher = node.create_publisher(Int32, "topic", offered)
-    node.create_subscription(Int32, "topic", lambda m: None, requested)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-
-
-def test_publishing_another_type_is_a_type_error(ros: Ros) -> None:
-    publisher = ros.node().create_publisher(Float32, "topic", 10)
-    with pytest.raises(TypeError):
-        publisher.publish(String(data="no"))  # type: ignore[arg-type]
-
-
-def test_a_negative_or_odd_qos_is_refused(ros: Ros) -> None:
-    node = ros.node()
-    with pytest.raises(ValueError):
-        node.create_publisher(Float32, "topic", -1)
-    with pytest.raises(TypeError):
-        node.create_publisher(Float32, "topic", "10")  # type: ignore[arg-type]
-
-
 def test_a_destroyed_subscription_gets_nothing(ros: Ros) -> None:
-    received: list[int] = []
     node = ros.node()
-    gone = node.create_subscription(Int32, "topic", lambda m: received.append(-1), 10)
-    node.create_subscription(Int32, "topic", lambda m: received.append(m.data), 10)
-    publisher = node.create_publisher(Int32, "topic", 10)
+    publisher, received = ros.topic(Int32, node)
+    gone = node.create_subscription(Int32, "topic", received.append, 10)
     wait_until(lambda: publisher.get_subscription_count() == 2)
     assert node.destroy_subscription(gone)
     wait_until(lambda: publisher.get_subscription_count() == 1)
     ros.spin(node)
-    publisher.publish(Int32(data=1))
-    wait_until(lambda: received)
-    assert received == [1]
+    for number in (1, 2):
+        publisher.publish(Int32(data=number))
+    wait_until(lambda: received and received[-1].data == 2)
+    assert [message.data for message in received] == [1, 2]
 
 
 def test_publishing_on_what_was_destroyed_or_shut_down_raises(ros: Ros) -> None:
@@ -182,14 +141,137 @@ def test_a_late_joiner_gets_nothing_that_is_older_than_its_lifespan(ros: Ros) ->
 
 
 def test_a_node_added_to_an_executor_late_gets_what_waits(ros: Ros) -> None:
-    received: list[int] = []
     node = ros.node()
-    node.create_subscription(Int32, "topic", lambda m: received.append(m.data), 10)
-    publisher = node.create_publisher(Int32, "topic", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
+    publisher, received = ros.topic(Int32, node)
     publisher.publish(Int32(data=1))
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
-    executor.spin_once(timeout_sec=10)
-    assert received == [1]
-    executor.shutdown(0)
+    ros.executor(node).spin_once(timeout_sec=10)
+    assert received == [Int32(data=1)]
+
+
+RELIABLE = QoSProfile(depth=1)
+SECOND, TWO_SECONDS = Duration(seconds=1), Duration(seconds=2)
+Told = list[tuple[Any, ...]]
+
+
+def test_endpoints_are_told_who_does_not_match(ros: Ros) -> None:
+    node = ros.node()
+    told: Told = []
+
+    def refused(who: str) -> Callable[[Any], None]:
+        return lambda e: told.append((who, e.total_count, int(e.last_policy_kind)))
+
+    publisher = node.create_publisher(
+        String,
+        "words",
+        BEST_EFFORT,
+        event_callbacks=PublisherEventCallbacks(incompatible_qos=refused("publisher")),
+    )
+    ros.spin(node)
+    node.create_subscription(
+        String,
+        "words",
+        lambda _: None,
+        RELIABLE,
+        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refused("subscription")),
+    )
+    wait_until(lambda: len(told) == 2)
+    kind = int(QoSPolicyKind.RELIABILITY)
+    assert sorted(told) == [("publisher", 1, kind), ("subscription", 1, kind)]
+    assert publisher.get_subscription_count() == 0
+
+
+def test_a_subscription_that_asks_for_more_is_told_for_which_policy(ros: Ros) -> None:
+    node = ros.node()
+    told: dict[str, str] = {}
+    manual = LivelinessPolicy.MANUAL_BY_TOPIC
+    cases: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
+        ("RELIABILITY", {"reliability": ReliabilityPolicy.BEST_EFFORT}, {}),
+        ("DURABILITY", {}, {"durability": DurabilityPolicy.TRANSIENT_LOCAL}),
+        ("DEADLINE", {}, {"deadline": SECOND}),
+        ("DEADLINE", {"deadline": TWO_SECONDS}, {"deadline": SECOND}),
+        ("LIVELINESS", {"liveliness": LivelinessPolicy.AUTOMATIC}, {"liveliness": manual}),
+        ("LIVELINESS", {}, {"liveliness_lease_duration": SECOND}),
+        ("", {"durability": DurabilityPolicy.TRANSIENT_LOCAL}, {}),
+        ("", {}, {"reliability": ReliabilityPolicy.BEST_EFFORT}),
+        ("", {"deadline": SECOND}, {"deadline": TWO_SECONDS}),
+        ("", {"liveliness": manual, "liveliness_lease_duration": SECOND}, {"liveliness": manual}),
+    ]
+    for number, (policy, offered, requested) in enumerate(cases):
+        topic = f"topic_{number}"
+
+        def refused(event: Any, topic: str = topic) -> None:
+            told[topic] = QoSPolicyKind(event.last_policy_kind).name
+
+        callbacks = SubscriptionEventCallbacks(incompatible_qos=refused)
+        publisher = node.create_publisher(String, topic, QoSProfile(depth=1, **offered))
+        profile = QoSProfile(depth=1, **requested)
+        node.create_subscription(String, topic, print, profile, event_callbacks=callbacks)
+        if not policy:
+            wait_until(lambda p=publisher: p.get_subscription_count() == 1)  # type: ignore[misc]
+    ros.spin(node)
+    refusals = {f"topic_{n}": policy for n, (policy, *_) in enumerate(cases) if policy}
+    wait_until(lambda: told == refusals)
+
+
+def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:
+    node = ros.node()
+    heard: list[tuple[str, Any]] = []
+    node.create_subscription(String, "words", lambda m, info: heard.append((m.data, info)), 10)
+    publisher = node.create_publisher(String, "words", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    for word in ("one", "two"):
+        publisher.publish(String(data=word))
+    wait_until(lambda: len(heard) == 2)
+    assert [(word, info["publication_sequence_number"]) for word, info in heard] == [
+        ("one", 1),
+        ("two", 2),
+    ]
+    assert heard[0][1]["received_timestamp"] >= heard[0][1]["source_timestamp"] > 0
+
+
+def test_discovery_tells_of_an_endpoint_what_dds_knows(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    publisher = node.create_publisher(
+        String, "words", QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    )
+    wait_until(lambda: node.count_publishers("words") == 1)
+    info = node.get_publishers_info_by_topic("words")[0]
+    assert (info.node_name, info.node_namespace) == ("talker", "/lab")
+    assert info.topic_type == "std_msgs/msg/String"
+    assert (int(info.endpoint_type), len(info.endpoint_gid)) == (1, 16)
+    qos = info.qos_profile
+    assert (qos.history, qos.depth) == (HistoryPolicy.UNKNOWN, 0)
+    assert (qos.reliability, qos.durability) == (
+        ReliabilityPolicy.RELIABLE,
+        DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+    assert (str(qos.deadline), qos.liveliness) == ("Infinite", LivelinessPolicy.AUTOMATIC)
+    assert publisher.logger_name == "lab.talker"
+    assert publisher.wait_for_all_acked(Duration(seconds=1))
+    publisher.assert_liveliness()
+
+
+def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    node.create_client(Empty, "wipe")
+    ActionClient(node, MoveToShelf, "move")
+    wait_until(lambda: len(node.get_client_names_and_types_by_node("talker", "/lab")) >= 1)
+    services = dict(node.get_client_names_and_types_by_node("talker", "/lab"))
+    assert services["/lab/wipe"] == ["std_srvs/srv/Empty"]
+    wait_until(lambda: get_action_client_names_and_types_by_node(node, "talker", "/lab"))
+    actions = get_action_client_names_and_types_by_node(node, "talker", "/lab")
+    assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
+
+
+def test_profiles_by_their_short_names() -> None:
+    assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
+    assert QoSProfile(depth=3) == QoSProfile(depth=3)
+    assert QoSProfile(depth=3) != QoSProfile(depth=4)
+
+
+def test_a_policy_takes_no_word() -> None:
+    given: Any = QoSProfile(depth=1)
+    for name in ("lifespan", "deadline", "liveliness", "depth", "history"):
+        with pytest.raises(AssertionError):
+            setattr(given, name, "x")

@@ -1,4 +1,4 @@
-"""Interface files are read as rosidl_adapter reads them, and what it refuses is one line."""
+"""Interface files are read as rosidl_adapter reads them, from where packages are looked for."""
 
 from __future__ import annotations
 
@@ -142,3 +142,58 @@ def test_threads_that_ask_for_a_class_at_once_get_the_same_one(tmp_path: Path) -
         "print(len(set(made)))"
     )
     assert run(tmp_path, told) == "31\n"
+
+
+READING = """
+from archo_tui.ros import engine
+engine.activate("embedded")
+from guest_interfaces.msg import Reading
+print(Reading(value=3).value, Reading.get_fields_and_field_types())
+print(Reading(), Reading() == Reading())
+"""
+
+
+def installed(folder: Path, text: str) -> Path:
+    """A prefix with the package."""
+    messages = folder / "share" / "guest_interfaces" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Reading.msg").write_text(text)
+    return folder
+
+
+def ask(*prefixes: Path) -> subprocess.CompletedProcess[str]:
+    environ = os.environ | {"AMENT_PREFIX_PATH": os.pathsep.join(map(str, prefixes))}
+    return subprocess.run(
+        [sys.executable, "-c", READING], env=environ, capture_output=True, text=True, check=False
+    )
+
+
+def test_a_package_is_found_on_the_prefix_path(tmp_path: Path) -> None:
+    done = ask(tmp_path / "empty", installed(tmp_path / "install", "int32 value\n"))
+    assert done.stdout.startswith("3 {'value': 'int32'}\n"), done.stderr
+
+
+def test_the_first_prefix_that_has_it_wins(tmp_path: Path) -> None:
+    over = installed(tmp_path / "overlay", "int64 value\n")
+    under = installed(tmp_path / "underlay", "int32 value\n")
+    assert "int64" in ask(over, under).stdout
+
+
+def test_a_package_that_is_nowhere_cannot_be_imported(tmp_path: Path) -> None:
+    done = ask(tmp_path)
+    assert done.returncode != 0
+    assert "No module named 'guest_interfaces'" in done.stderr
+
+
+def test_a_package_that_is_partial_in_one_place_is_completed_by_another(tmp_path: Path) -> None:
+    partial = tmp_path / "partial" / "share" / "guest_interfaces" / "msg"
+    partial.mkdir(parents=True)
+    (partial / "Other.msg").write_text("int32 other\n")
+    whole = installed(tmp_path / "whole", "int64 value\n")
+    assert "int64" in ask(partial.parent.parent.parent, whole).stdout
+
+
+def test_a_byte_has_the_default_that_its_file_gives(tmp_path: Path) -> None:
+    first, second = ask(installed(tmp_path, "byte flag 7\nint32 value\n")).stdout.splitlines()
+    assert first.startswith("3 {'flag': 'octet'")
+    assert "flag=b'\\x07', value=0) True" in second

@@ -18,7 +18,7 @@ from archo_tui.user_code.ros_launch.workspace import Workspace
 
 WORKSPACE = Path(__file__).parent.parent / "share" / "workspace"
 _IMPORTS = """\
-import os
+import launch_ros, os
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
 from launch.actions import *
@@ -33,16 +33,23 @@ from launch_ros.substitutions import FindPackageShare
 def described(*actions):
     return LaunchDescription(actions)
 
+def n(name, **options):
+    return Node(package='my_robot', executable='talker', name=name, **options)
 """
+
+
+_setups: dict[tuple[Any, int], tuple[Any, str]] = {}  # What each setup.py says, as it was saved.
 
 
 @contextmanager
 def in_this_process() -> Iterator[None]:
-    """Evaluate launch files here: a process for each takes a tenth of a second."""
+    """Evaluate launch files here, each setup.py once: a process takes a tenth of a second."""
 
     def ask(module: str, request: Any, seconds: float) -> tuple[Any, str]:
         if module != evaluation.__name__:
-            return asked(module, request, seconds)
+            key = request, Path(request).stat().st_mtime_ns
+            _setups[key] = _setups.get(key) or asked(module, request, seconds)
+            return _setups[key]
         answer = evaluation.evaluate(json.loads(json.dumps(request)))
         return json.loads(json.dumps(answer)), ""
 
@@ -70,11 +77,11 @@ class Launcher:
         with in_this_process():
             return evaluate(str(path), self._workspace, self.prefix, parse_arguments(arguments))
 
-    def of_actions(self, text: str, *arguments: str) -> LaunchPlan:
-        """Evaluate a launch file that describes some actions."""
+    def of_actions(self, text: str, *arguments: str, before: str = "") -> LaunchPlan:
+        """Evaluate a launch file that describes some actions, with what stands before them."""
         actions = textwrap.indent(textwrap.dedent(text).strip(), "        ")
         generate = f"def generate_launch_description():\n    return described(\n{actions}\n    )\n"
-        return self.plan(self.write(_IMPORTS + generate), *arguments)
+        return self.plan(self.write(f"{_IMPORTS}{before}\n{generate}"), *arguments)
 
     def commands(self, plan: LaunchPlan) -> list[str]:
         """Return the plan's programs as `ros2 run` would be given them."""

@@ -20,57 +20,57 @@ from tests.support.waiting import DEADLINE
 
 WRONG = {
     "Node(package='my_robot', executable='talker', name=LaunchConfiguration('nam')),": (
-        "18: no launch configuration nam: declare it before, DeclareLaunchArgument('nam')"
+        "21: no launch configuration nam: declare it before, DeclareLaunchArgument('nam')"
     ),
     "DeclareLaunchArgument('rate', description='in Hz'),": (
-        "18: argument rate (in Hz) has no value: give rate:=VALUE"
+        "21: argument rate (in Hz) has no value: give rate:=VALUE"
     ),
     "DeclareLaunchArgument('mode', choices=['fast', 'slow'], default_value=['fas', 't', 'e']),": (
-        "18: argument mode is 'faste': one of fast, slow is wanted (nearest: fast)"
+        "21: argument mode is 'faste': one of fast, slow is wanted (nearest: fast)"
     ),
     "Node(package='my_robot', executable='talker', condition=IfCondition('yes')),": (
-        "18: a condition is 'yes': true, 1, false or 0 is wanted"
+        "21: a condition is 'yes': true, 1, false or 0 is wanted"
     ),
     "Node(package='my_robot', executable='talker', parameters={'rate': 1}),": (
-        "18: TypeError: parameters is a list: parameters=[...], not dict, "
+        "21: TypeError: parameters is a list: parameters=[...], not dict, "
         "in: Node(package='my_robot', executable='talker', parameters={'rate': 1}),"
     ),
     "Node(package='my_robot', node_executable='talker', executable='talker'),": (
-        "18: TypeError: Node.__init__() got an unexpected keyword argument 'node_executable', "
+        "21: TypeError: Node.__init__() got an unexpected keyword argument 'node_executable', "
         "in: Node(package='my_robot', node_executable='talker', executable='talker'),"
     ),
     "Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),": (
-        "18: TypeError: a remapping is a pair in (): ('old', 'new'), not ['a', 'b'], "
+        "21: TypeError: a remapping is a pair in (): ('old', 'new'), not ['a', 'b'], "
         "in: Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),"
     ),
     "Node(package='my_robot', executable='talker', parameters=[{'frames': []}]),": (
-        "18: TypeError: parameter frames: the list [] is empty, so its type is not known"
+        "21: TypeError: parameter frames: the list [] is empty, so its type is not known"
     ),
     "Node(package='my_robot', executable='talker', "
-    "parameters=[{'rate': ParameterValue('5', value_type=int)}]),": "18: '5' is not of type int",
+    "parameters=[{'rate': ParameterValue('5', value_type=int)}]),": "21: '5' is not of type int",
     "Node(package='my_robot', executable='talker', "
-    "parameters=[Parameter('name', 5, value_type=str)]),": "18: 5 is not of type str",
+    "parameters=[Parameter('name', 5, value_type=str)]),": "21: 5 is not of type str",
     "Node(package='my_robot', executable='talker', "
     "parameters=[{'rates': ParameterValue([1, 2.0], value_type=list[int])}]),": (
-        "18: [1.0, 2.0] is not of type list[int]"
+        "21: [1.0, 2.0] is not of type list[int]"
     ),
     "LogInfo(msg=PythonExpression('fast == 1')),": (
-        "18: PythonExpression fast == 1: NameError: name 'fast' is not defined: a text needs "
+        "21: PythonExpression fast == 1: NameError: name 'fast' is not defined: a text needs "
         'quotes in it, ["\'", LaunchConfiguration(...), "\'"]'
     ),
     "LogInfo(msg=EnvironmentVariable('SURELY_NOT_SET')),": (
-        "18: no environment variable SURELY_NOT_SET: export it, or give EnvironmentVariable a "
+        "21: no environment variable SURELY_NOT_SET: export it, or give EnvironmentVariable a "
         "default_value"
     ),
     "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/no.launch.py']),": (
-        "18: my_robot has no launch/no.launch.py"
+        "21: my_robot has no launch/no.launch.py"
     ),
     "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': 'b'}),": (
-        "18: TypeError: launch_arguments is a mapping: write {...}.items(), "
+        "21: TypeError: launch_arguments is a mapping: write {...}.items(), "
         "in: IncludeLaunchDescription('a.launch.py', launch_arguments={'a': 'b'}),"
     ),
     "DeclareLaunchArgument('use_sim', default_value=True),": (
-        "18: TypeError: a text or a substitution is wanted, not bool True: write 'true', "
+        "21: TypeError: a text or a substitution is wanted, not bool True: write 'true', "
         "in: DeclareLaunchArgument('use_sim', default_value=True),"
     ),
     "None,": "14: an action is wanted, not a NoneType: None",
@@ -129,20 +129,11 @@ def test_the_traceback_is_there_on_request_and_has_the_persons_lines_only(
 def test_an_include_without_a_value_for_its_argument_names_the_include(
     launcher: Launcher,
 ) -> None:
-    launcher.write(
-        """
-        from launch import LaunchDescription
-        from launch.actions import DeclareLaunchArgument
-
-        def generate_launch_description():
-            return LaunchDescription([DeclareLaunchArgument('robot')])
-        """,
-        "inner.launch.py",
-    )
-    include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.py'"
+    launcher.write("<launch>\n<arg name='robot'/>\n</launch>", "inner.launch.xml")
+    include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.xml'"
     with pytest.raises(LaunchFileError) as raised:
         launcher.of_actions(f"{include}),")
-    assert "inner.launch.py:6: argument robot has no value" in str(raised.value)
+    assert "inner.launch.xml:2: argument robot has no value" in str(raised.value)
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == []
 
 
@@ -154,19 +145,12 @@ def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
 
 
 def test_the_release_of_the_engine_is_in_the_environment(
-    launcher: Launcher, monkeypatch: pytest.MonkeyPatch
+    launcher: Launcher, monkeypatch: pytest.MonkeyPatch, workspace: Workspace
 ) -> None:
     monkeypatch.delenv("ROS_DISTRO", raising=False)
-    text = """
-        from launch import LaunchDescription
-        from launch.actions import LogInfo
-        from launch.substitutions import EnvironmentVariable
-
-        def generate_launch_description():
-            return LaunchDescription([LogInfo(msg=EnvironmentVariable('ROS_DISTRO'))])
-        """
-    file = str(launcher.write(text))
-    plan = evaluate(file, Workspace.below(WORKSPACE), launcher.prefix, {})
+    text = "<launch><log message='$(env ROS_DISTRO)'/></launch>"
+    file = str(launcher.write(text, "release.launch.xml"))
+    plan = evaluate(file, workspace, launcher.prefix, {})
     assert [note.text for note in plan.notes] == [ros_release.distribution() or "kilted"]
     assert "ROS_DISTRO" not in plan.environment
 
@@ -179,7 +163,7 @@ def test_a_mistake_in_setup_is_told_where_the_share_folder_is_needed(
     launcher = Launcher(tmp_path, Workspace.below(tmp_path), tmp_path / "prefix")
     with pytest.raises(LaunchFileError) as raised:
         launcher.of_actions("LogInfo(msg=get_package_share_directory('my_robot')),")
-    mistake = f"{launcher.file}:18: {package}{os.sep}setup.py:1: ModuleNotFoundError: No module"
+    mistake = f"{launcher.file}:21: {package}{os.sep}setup.py:1: ModuleNotFoundError: No module"
     assert str(raised.value).startswith(mistake)
 
 

@@ -18,77 +18,43 @@ def generate_launch_description():
              arguments=['--quiet', '--count', '3']),
     ])
 """
-GROUPS = """
-from launch import LaunchDescription
-from launch.actions import GroupAction
-from launch_ros.actions import Node, PushRosNamespace, SetParameter, SetRemap
-
-def generate_launch_description():
-    talker = Node(package='my_robot', executable='talker')
-    return LaunchDescription([
-        GroupAction([
-            PushRosNamespace('robot1'),
-            SetParameter('use_sim_time', True),
-            Node(package='my_robot', executable='talker', name='t', parameters=[{'rate': 3}]),
-            GroupAction([
-                PushRosNamespace('arm'), SetRemap('a', 'b'),
-                Node(package='my_robot', executable='talker', namespace='left'),
-                Node(package='my_robot', executable='talker', namespace='/top'),
-            ]),
-            GroupAction([PushRosNamespace('leg')], scoped=False),
-            Node(package='my_robot', executable='listener'),
-        ]),
-        talker,
-    ])
+GROUPS = """\
+GroupAction([
+    PushRosNamespace('robot1'),
+    SetParameter('use_sim_time', True),
+    Node(package='my_robot', executable='talker', name='t', parameters=[{'rate': 3}]),
+    GroupAction([
+        PushRosNamespace('arm'), SetRemap('a', 'b'),
+        Node(package='my_robot', executable='talker', namespace='left'),
+        Node(package='my_robot', executable='talker', namespace='/top'),
+    ]),
+    GroupAction([PushRosNamespace('leg')], scoped=False),
+    Node(package='my_robot', executable='listener'),
+]),
+Node(package='my_robot', executable='talker'),
 """
-FILES = """
-import os
-from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
-from launch.substitutions import PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
-
-def generate_launch_description():
-    config = os.path.join(get_package_share_directory('my_robot'), 'config', 'params.yaml')
-    same = PathJoinSubstitution([FindPackageShare('my_robot'), 'config', 'params.yaml'])
-    return LaunchDescription([
-        Node(package='my_robot', executable='talker', parameters=[config]),
-        Node(package='my_robot', executable='talker', parameters=[same, {'rate': 4.0}]),
-    ])
+FILES = """\
+Node(package='my_robot', executable='talker', parameters=[
+    os.path.join(get_package_share_directory('my_robot'), 'config', 'params.yaml'),
+]),
+Node(package='my_robot', executable='talker', parameters=[
+    PathJoinSubstitution([FindPackageShare('my_robot'), 'config', 'params.yaml']), {'rate': 4.0},
+]),
 """
-CONDITIONS = """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.conditions import IfCondition, UnlessCondition
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-
-def generate_launch_description():
-    use_sim = LaunchConfiguration('use_sim')
-    return LaunchDescription([
-        DeclareLaunchArgument('use_sim', default_value='false', description='in simulation'),
-        Node(package='my_robot', executable='talker', condition=IfCondition(use_sim)),
-        Node(package='my_robot', executable='listener', condition=UnlessCondition(use_sim)),
-    ])
+CONDITIONS = """\
+DeclareLaunchArgument('use_sim', default_value='false', description='in simulation'),
+Node(package='my_robot', executable='talker',
+     condition=IfCondition(LaunchConfiguration('use_sim'))),
+Node(package='my_robot', executable='listener',
+     condition=UnlessCondition(LaunchConfiguration('use_sim'))),
 """
-EXPRESSION = """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, PythonExpression
-from launch_ros.actions import Node
-
-def generate_launch_description():
-    mode = LaunchConfiguration('mode')
-    return LaunchDescription([
-        DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
-        Node(
-            package='my_robot', executable='talker',
-            parameters=[{'rate': PythonExpression(["10 if '", mode, "' == 'fast' else sqrt(4)"])}],
-            condition=IfCondition(PythonExpression(["'", mode, "' in ('fast', 'slow')"])),
-        ),
-    ])
+EXPRESSION = """\
+DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
+Node(package='my_robot', executable='talker', parameters=[{'rate': PythonExpression(
+    ["10 if '", LaunchConfiguration('mode'), "' == 'fast' else sqrt(4)"]
+)}], condition=IfCondition(PythonExpression(
+    ["'", LaunchConfiguration('mode'), "' in ('fast', 'slow')"]
+))),
 """
 INCLUDE = """
 from launch import LaunchDescription
@@ -127,20 +93,12 @@ def generate_launch_description():
         OpaqueFunction(function=launch_setup),
     ])
 """
-RESPAWN = """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable, TimerAction
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-
-def generate_launch_description():
-    return LaunchDescription([
-        DeclareLaunchArgument('use_respawn', default_value='True'),
-        SetEnvironmentVariable('MODEL', 'burger'),
-        TimerAction(period=2.5, actions=[Node(package='my_robot', executable='listener')]),
-        Node(package='my_robot', executable='talker', respawn=LaunchConfiguration('use_respawn'),
-             respawn_delay=2.0, output='both', additional_env={'LEVEL': '1'}),
-    ])
+RESPAWN = """\
+DeclareLaunchArgument('use_respawn', default_value='True'),
+SetEnvironmentVariable('MODEL', 'burger'),
+TimerAction(period=2.5, actions=[Node(package='my_robot', executable='listener')]),
+Node(package='my_robot', executable='talker', respawn=LaunchConfiguration('use_respawn'),
+     respawn_delay=2.0, output='both', additional_env={'LEVEL': '1'}),
 """
 ROBOTS = """
 from launch import LaunchDescription
@@ -269,7 +227,7 @@ def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(
 
 
 def test_respawn_environment_and_timers_are_told(launcher: Launcher) -> None:
-    talker, listener = launcher.plan(launcher.write(RESPAWN)).programs
+    talker, listener = launcher.of_actions(RESPAWN).programs
     assert (talker.respawn, talker.respawn_delay) == (True, 2.0)
     assert talker.environment == {"MODEL": "burger", "LEVEL": "1"}
     assert (talker.start_delay, listener.start_delay) == (0.0, 2.5)
@@ -287,19 +245,12 @@ def test_a_nodes_line_is_that_of_its_own_file(launcher: Launcher) -> None:
 
 
 def test_modules_of_the_workspaces_packages_can_be_imported(launcher: Launcher) -> None:
-    code = """
-        from launch import LaunchDescription
-        from launch_ros.actions import Node
-        from my_robot.rates import RATES
-
-        def generate_launch_description():
-            return LaunchDescription([
-                Node(package='my_robot', executable='talker', parameters=[{'rate': rate}])
-                for rate in RATES
-            ])
-    """
-    assert launcher.commands(launcher.plan(launcher.write(code))) == [
-        f"my_robot talker --ros-args -p rate:={rate}" for rate in (1, 2)
+    plan = launcher.of_actions(
+        "*[Node(package='my_robot', executable='talker', parameters=[{'hz': r}]) for r in RATES],",
+        before="from my_robot.rates import RATES",
+    )
+    assert launcher.commands(plan) == [
+        f"my_robot talker --ros-args -p hz:={rate}" for rate in (1, 2)
     ]
 
 
@@ -332,76 +283,46 @@ def test_timers_start_in_the_order_of_their_times(launcher: Launcher) -> None:
     assert starts == [("listener", 0.5), ("talker", 2.0), ("talker", 3.0)]
 
 
-def talker(options: str) -> str:
-    return f"Node(package='my_robot', executable='talker', {options}),"
-
-
-def named(text: str) -> str:
-    return talker(f"name={text}")
-
-
 # Each was compared with launch 3.7 and launch_ros.
-SMALL = [
+# Each was compared with launch 3.7; n(...) is a talker of that name.
+SMALL = {
     # Scopes.
-    (
-        "GroupAction([SetLaunchConfiguration('x', 'in'), "
-        + named("LaunchConfiguration('x')")
-        + "]),"
-        + named("LaunchConfiguration('x', default='out')"),
-        ["in", "out"],
+    "GroupAction([SetLaunchConfiguration('x', 'in'), n(LaunchConfiguration('x'))]),"
+    "n(LaunchConfiguration('x', default='out')),": "in out",
+    "GroupAction([SetLaunchConfiguration('x', 'in')], scoped=False),"
+    "n(LaunchConfiguration('x', default='out')),": "in",
+    "SetLaunchConfiguration('x', 'out'), GroupAction(["
+    "n(LaunchConfiguration('x', default='lost')), n(LaunchConfiguration('y'))],"
+    "forwarding=False, launch_configurations={'y': LaunchConfiguration('x')}),": "lost out",
+    "SetEnvironmentVariable('E', 'out'), GroupAction([SetEnvironmentVariable('E', 'in'), "
+    "n(EnvironmentVariable('E'))]), n(EnvironmentVariable('E')),"
+    "AppendEnvironmentVariable('E', 'er', separator='_'), n(EnvironmentVariable('E')),"
+    "UnsetEnvironmentVariable('E'), n(EnvironmentVariable('E', default_value='gone')),": (
+        "in out out_er gone"
     ),
-    (
-        "GroupAction([SetLaunchConfiguration('x', 'in')], scoped=False),"
-        + named("LaunchConfiguration('x', default='out')"),
-        ["in"],
-    ),
-    (
-        "SetLaunchConfiguration('x', 'out'), GroupAction(["
-        + named("LaunchConfiguration('x', default='lost')")
-        + named("LaunchConfiguration('y')")
-        + "], forwarding=False, launch_configurations={'y': LaunchConfiguration('x')}),",
-        ["lost", "out"],
-    ),
-    (
-        "SetEnvironmentVariable('E', 'out'), GroupAction([SetEnvironmentVariable('E', 'in'), "
-        + named("EnvironmentVariable('E')")
-        + "]),"
-        + named("EnvironmentVariable('E')")
-        + "AppendEnvironmentVariable('E', 'er', separator='_'),"
-        + named("EnvironmentVariable('E')")
-        + "UnsetEnvironmentVariable('E'),"
-        + named("EnvironmentVariable('E', default_value='gone')"),
-        ["in", "out", "out_er", "gone"],
-    ),
-    (
-        "GroupAction([IncludeLaunchDescription("
-        "[FindPackageShare('my_robot'), '/launch/talker.launch.py'])]),"
-        + named("['n', LaunchConfiguration('rate', default='one')]"),
-        ["none"],
-    ),
+    "GroupAction([IncludeLaunchDescription("
+    "[FindPackageShare('my_robot'), '/launch/talker.launch.py'])]),"
+    "n(['n', LaunchConfiguration('rate', default='one')]),": "none",
     # Arguments.
-    (
-        "DeclareLaunchArgument('x', default_value='a'),"
-        "DeclareLaunchArgument('x', default_value='b')," + named("LaunchConfiguration('x')"),
-        ["a"],
-    ),
+    "DeclareLaunchArgument('x', default_value='a'), DeclareLaunchArgument('x', default_value='b'),"
+    "n(LaunchConfiguration('x')),": "a",
     # Conditions and booleans.
-    (talker("name='a', condition=IfCondition(' TRUE ')"), ["a"]),
-    (talker("name='a', condition=UnlessCondition('0')"), ["a"]),
-    (talker("name='a', condition=IfCondition(NotSubstitution('off'))"), ["a"]),
-    (talker("name='a', condition=IfCondition(EqualsSubstitution('1', '1.0'))"), ["a"]),
-    (talker("name='a', condition=IfCondition(AndSubstitution('on', 'no'))"), []),
-    (talker("name='a', condition=IfCondition(OrSubstitution('off', 'yes'))"), ["a"]),
-    (talker("name='a', condition=LaunchConfigurationEquals('x', None)"), ["a"]),
-    (talker("name='a', condition=LaunchConfigurationNotEquals('x', 'b')"), ["a"]),
-    (named("IfElseSubstitution('0', 'a', 'b')"), ["b"]),
-]
+    "n('a', condition=IfCondition(' TRUE ')),": "a",
+    "n('a', condition=UnlessCondition('0')),": "a",
+    "n('a', condition=IfCondition(NotSubstitution('off'))),": "a",
+    "n('a', condition=IfCondition(EqualsSubstitution('1', '1.0'))),": "a",
+    "n('a', condition=IfCondition(AndSubstitution('on', 'no'))),": "",
+    "n('a', condition=IfCondition(OrSubstitution('off', 'yes'))),": "a",
+    "n('a', condition=LaunchConfigurationEquals('x', None)),": "a",
+    "n('a', condition=LaunchConfigurationNotEquals('x', 'b')),": "a",
+    "n(IfElseSubstitution('0', 'a', 'b')),": "b",
+}
 
 
 def test_scopes_arguments_and_conditions_are_those_of_launch(launcher: Launcher) -> None:
-    for actions, names in SMALL:
+    for actions, names in SMALL.items():
         found = launcher.of_actions(actions).programs
-        assert [program.name for program in found if program.name] == names, actions
+        assert [program.name for program in found if program.name] == names.split(), actions
 
 
 def test_a_namespace_is_relative_to_those_around_unless_it_begins_with_a_slash(

@@ -44,6 +44,9 @@ REFUSED = {
     "ComposableNodeContainer(name='c', namespace='', package='c', executable='e')": (
         "ComposableNodeContainer does not run here, nor what needs it: ROS 2 runs it"
     ),
+    "Node(package='my_robot', executable='talker', name=launch_ros.substitutions.Parameter('a'))": (
+        "Parameter does not run here, nor what needs it: ROS 2 runs it"
+    ),
     "SetUseSimTime(True)": "SetUseSimTime does not run here, nor what needs it: ROS 2 runs it",
 }
 
@@ -51,9 +54,7 @@ REFUSED = {
 def test_what_is_not_here_is_one_line_and_the_rest_starts(launcher: Launcher) -> None:
     for action, text in REFUSED.items():
         plan = launcher.of_actions(f"{action},\n{TALKER},")
-        [note] = plan.notes
-        assert note.text == text
-        assert note.where == f"{launcher.file}:18"
+        assert [(note.where, note.text) for note in plan.notes] == [(f"{launcher.file}:21", text)]
         assert launcher.commands(plan) == ["my_robot talker"]
 
 
@@ -71,18 +72,17 @@ def test_an_argument_that_is_not_here_leaves_its_include_in_place(launcher: Laun
 
 
 def test_a_launch_file_may_ask_which_packages_are_there(launcher: Launcher) -> None:
-    code = """
-        from ament_index_python.resources import has_resource
-        from launch import LaunchDescription
-        from launch_ros.actions import Node
-
-        def generate_launch_description():
-            return LaunchDescription([
-                Node(package=name, executable='talker')
-                for name in ('my_robot', 'camera_ros') if has_resource('packages', name)
-            ])
-    """
-    assert launcher.commands(launcher.plan(launcher.write(code))) == ["my_robot talker"]
+    plan = launcher.of_actions(
+        """
+        *[Node(package=name, executable='talker')
+          for name in ('my_robot', 'camera_ros') if has_resource('packages', name)],
+        *[Node(package=name, executable='listener')
+          for name in ('my_robot', 'nav2') if name in get_packages_with_prefixes()],
+        """,
+        before="from ament_index_python.resources import has_resource\n"
+        "from ament_index_python.packages import get_packages_with_prefixes",
+    )
+    assert launcher.commands(plan) == ["my_robot talker", "my_robot listener"]
 
 
 def test_what_a_condition_leaves_out_is_not_told(launcher: Launcher) -> None:
@@ -139,52 +139,15 @@ def test_the_launch_file_of_a_package_in_cpp_is_included(launcher: Launcher) -> 
 
 
 def test_xacro_and_other_packages_are_left_out_where_they_are_needed(launcher: Launcher) -> None:
-    plan = launcher.plan(
-        launcher.write(
-            """
-            import xacro
-            from launch import LaunchDescription
-            from launch_ros.actions import Node
-
-            def generate_launch_description():
-                model = xacro.process_file('robot.urdf.xacro').toxml()
-                return LaunchDescription([
-                    Node(package='my_robot', executable='talker',
-                         parameters=[{'robot_description': model}]),
-                    Node(package='my_robot', executable='listener'),
-                ])
-            """
-        )
+    plan = launcher.of_actions(
+        """
+        Node(package='my_robot', executable='talker', parameters=[{'robot_description': model}]),
+        Node(package='my_robot', executable='listener'),
+        """,
+        before="import xacro\nmodel = xacro.process_file('robot.urdf.xacro').toxml()",
     )
     assert [note.text for note in plan.notes] == [
-        "process_file does not run here, nor what needs it: ROS 2 runs it (line 9)"
-    ]
-    assert launcher.commands(plan) == ["my_robot listener"]
-
-
-def test_the_packages_are_those_of_the_workspace_and_what_was_set_is_not_read(
-    launcher: Launcher,
-) -> None:
-    plan = launcher.plan(
-        launcher.write(
-            """
-            from ament_index_python.packages import get_packages_with_prefixes
-            from launch import LaunchDescription
-            from launch_ros.actions import Node
-            from launch_ros.substitutions import Parameter
-
-            def generate_launch_description():
-                found = get_packages_with_prefixes()
-                return LaunchDescription([
-                    Node(package='my_robot', executable='talker', name=Parameter('name')),
-                    *[Node(package=name, executable='listener')
-                      for name in ('my_robot', 'nav2') if name in found],
-                ])
-            """
-        )
-    )
-    assert [note.text for note in plan.notes] == [
-        "Parameter does not run here, nor what needs it: ROS 2 runs it"
+        "process_file does not run here, nor what needs it: ROS 2 runs it (line 22)"
     ]
     assert launcher.commands(plan) == ["my_robot listener"]
 

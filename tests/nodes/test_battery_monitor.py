@@ -53,13 +53,6 @@ def test_health_warns_below_the_threshold_parameter(ros: Ros) -> None:
     wait_until(lambda: heard[-1].battery_health == "good")
 
 
-def test_an_empty_battery_stays_at_zero(ros: Ros) -> None:
-    heard = watch(ros)
-    start(ros, BatteryMonitor, "-p", "drain_min:=50.0", "-p", "drain_max:=60.0")
-    wait_until(lambda: len(heard) > 4)
-    assert heard[-1].percentage == 0.0
-
-
 def test_charging_is_switched_by_the_service(ros: Ros) -> None:
     heard = watch(ros)
     start(ros, BatteryMonitor, "-p", "charge_rate:=100.0")

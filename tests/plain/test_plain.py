@@ -61,10 +61,8 @@ async def test_one_goal_that_did_not_arrive_is_exit_code_1_whatever_arrives_behi
     goals: str, ends: str, said: str, last: str, arrived: str
 ) -> None:
     async with operated(ros_args=LONG) as person:
-        person.type(f"{goals}\n")
-        await person.until("m left of")
-        person.type(f"{ends}\n")
-        await person.until(said)
+        await person.enter(f"{goals}", "m left of")
+        await person.enter(f"{ends}", said)
         person.type("set motor_controller time_scale 100\n")
         assert await person.end(last) == 1
         assert f"Arrived at {arrived}" in person.said
@@ -159,8 +157,7 @@ async def test_what_was_set_is_undone_and_not_what_somebody_else_set_since() -> 
 async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -> None:
     async with operated(Noted, robot=ROOT / "tests/robots/cart.yaml") as person:
         begun = clock.seconds()
-        person.type("help\n")
-        await person.until("Show the state of the robot")
+        await person.enter("help", "Show the state of the robot")
         assert clock.seconds() - begun < 3.0  # s; not 5
         person.type("status\n")  # its file names a battery, and no node has one
         await person.until("\nbattery NO DATA")

@@ -14,7 +14,7 @@ import pytest
 from archo_tui.console.printing import MAX_WAITING, Output
 from tests.support.night import corners
 from tests.support.quiet import until
-from tests.support.script import Script, shell
+from tests.support.script import Script
 
 
 @pytest.fixture
@@ -44,12 +44,11 @@ def test_a_signal_ends_it_within_3_s_though_nobody_reads(script: Script, number:
     assert script.ends_within(3.0) == 128 + number
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT])
-def test_a_signal_ends_it_within_3_s_while_a_command_waits(script: Script, number: int) -> None:
+def test_a_signal_ends_it_within_3_s_while_a_command_waits(script: Script) -> None:
     script.type("status\ncall /nosuch\n")
     script.until("\ngoal No goal yet")
-    script.signal(number)
-    assert script.ends_within(3.0) == 128 + number
+    script.signal(signal.SIGINT)
+    assert script.ends_within(3.0) == 128 + signal.SIGINT
 
 
 def test_a_reader_that_comes_back_is_told_how_much_it_missed(script: Script) -> None:
@@ -63,12 +62,6 @@ def test_a_reader_that_comes_back_is_told_how_much_it_missed(script: Script) -> 
     script.type("stop\n")
     script.until("STOP: confirmed")
     assert script.end() == 0
-
-
-def test_a_slow_reader_of_much_misses_nothing() -> None:
-    done = shell("(yes help | head -n 600; echo reset) | archo --plain | (sleep 2; cat)")
-    assert done.stdout.count(b"\nquit: ") == 600
-    assert b"Encoder reset" in done.stdout
 
 
 def test_the_end_waits_for_a_slow_reader(script: Script) -> None:
@@ -111,6 +104,6 @@ def test_memory_is_bounded_whatever_is_typed_without_end(line: str) -> None:
         script.type("reset\n")
         script.until_done("Encoder reset")
         before = script.memory
-        for _ in range(12):
+        for _ in range(5):
             script.type(f"{line}\n" * (100_000 // len(line)))
         assert script.memory - before < 20_000_000

@@ -18,11 +18,9 @@ from tests.support.quiet import until
 from tests.support.robot import making
 
 
-class Alone(Node):
-    """Offers nothing."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("alone", **options)
+def alone(**options: Any) -> Node:
+    """It offers nothing."""
+    return Node("alone", **options)
 
 
 @pytest.mark.parametrize(
@@ -48,10 +46,9 @@ class Alone(Node):
 async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
     line: str, said: str
 ) -> None:
-    async with operated(Alone) as person:
+    async with operated(alone) as person:
         began = seconds()
-        person.type(f"{line}\n")
-        await person.until(said)
+        await person.enter(f"{line}", said)
         assert seconds() - began <= 5.1  # at the start it may only not be found yet
         await until(lambda: seconds() > began + 6.0)
         began = seconds()
@@ -71,14 +68,13 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
 async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
     life: Life, line: str, said: str, patience: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with operated(Alone) as person:
-        host, began = person._plain._station.host, seconds()
+    async with operated(alone) as person:
+        host, began = person.station.host, seconds()
         await until(lambda: seconds() > began + 6.0)
         coming = (*host.states(), Hosted("/coming", life))
         monkeypatch.setattr(host, "states", lambda: coming)
         began = seconds()
-        person.type(f"{line}\n")
-        await person.until(f"failed: {said}")
+        await person.enter(f"{line}", f"failed: {said}")
         assert seconds() - began >= patience
         monkeypatch.undo()  # It has ended.
         began = seconds()
@@ -87,28 +83,8 @@ async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
         assert seconds() - began < 2.0
 
 
-class LateSubscriber(Node):
-    """Subscribes to `words` 3 s after the start."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("late", **options)
-        self.timer = self.create_timer(3.0, self.subscribe)
-
-    def subscribe(self) -> None:
-        self.timer.cancel()
-        self.create_subscription(String, "words", lambda _: None, 10)
-
-
-@pytest.mark.parametrize("kind", ["", "std_msgs/msg/String "])
-async def test_a_topic_of_a_robot_elsewhere_is_waited_for(kind: str) -> None:
-    async with operated(LateSubscriber) as person:
-        person._plain._station.attached = True
-        person.type(f"pub words {kind}data=x --yes\n")
-        await person.until("pub words: published; 1 subscriber\n")
-
-
 class Late(Node):
-    """Offers its service 3 s after the start."""
+    """Offers its service and subscribes to `words` 3 s after the start."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("late", **options)
@@ -117,6 +93,7 @@ class Late(Node):
     def offer(self) -> None:
         self.timer.cancel()
         self.create_service(ResetEncoder, "reset_encoder", self.reset)
+        self.create_subscription(String, "words", lambda _: None, 10)
 
     def reset(
         self, request: ResetEncoder.Request, response: ResetEncoder.Response
@@ -125,21 +102,21 @@ class Late(Node):
         return response
 
 
-async def test_what_is_offered_some_seconds_after_the_start_is_waited_for() -> None:
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("reset", "late is better than never"),
+        ("pub words data=x --yes", "pub words: published; 1 subscriber\n"),
+        ("pub words std_msgs/msg/String data=x --yes", "pub words: published; 1 subscriber\n"),
+    ],
+)
+async def test_what_is_there_some_seconds_after_the_start_is_waited_for(
+    line: str, said: str
+) -> None:
     async with operated(Late) as person:
-        person.type("reset\n")
-        await person.until("late is better than never")
-    assert "not offered" not in person.said
-
-
-async def test_a_stop_that_nobody_serves_speaks_within_its_deadline() -> None:
-    async with operated(Alone) as person:
-        later = seconds() + 6.0
-        await until(lambda: seconds() > later)
-        began = seconds()
-        person.type("stop\n")
-        await person.until("failed: stop: /emergency_stop is not offered by any node")
-        assert seconds() - began < 2.5
+        person.station.attached = line != "reset"  # A topic: of a robot elsewhere.
+        await person.enter(line, said)
+        assert "failed" not in person.said
 
 
 async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:
@@ -150,8 +127,7 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
         made[0].answer()
         await person.until("YOU console: reach 3: accepted")
         began = seconds()
-        person.type("cancel\n")
-        await person.until("goal CANCELLED")
+        await person.enter("cancel", "goal CANCELLED")
         assert seconds() - began < 0.5
 
 
@@ -160,7 +136,7 @@ async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> No
     async with operated(making(made, Hesitant)) as person:
         person.type("go 12\ncancel\nnodes\n")
         await until(lambda: made and made[0].seen)
-        station, began = person._plain._station, seconds()
+        station, began = person.station, seconds()
         goals = station.robot.goals
         await until(lambda: goals.ours is not None and goals.ours.is_cancelled)
         assert seconds() - began < 1.0
@@ -180,12 +156,9 @@ async def test_a_cancel_in_the_same_pipe_tells_the_queue_once() -> None:
 
 async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:
     async with operated(at_terminal=True) as person:
-        person.type("go 12\n")
-        await person.until("goal MOVING")
-        person.type("reset\n")
-        await person.until("[y/N]")
-        person.type("cancel\n")
-        await person.until("failed: reset: not done: the answer was not yes")
+        await person.enter("go 12", "goal MOVING")
+        await person.enter("reset", "[y/N]")
+        await person.enter("cancel", "failed: reset: not done: the answer was not yes")
         await person.until("goal CANCELLED")
 
 

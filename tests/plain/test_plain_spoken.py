@@ -13,7 +13,7 @@ from archo_tui.text import line_by_line
 from archo_tui.text.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG
-from tests.support.plain import Typed, operated, plain, typing
+from tests.support.plain import operated, plain, typing
 from tests.support.quiet import until
 from tests.support.states import BATTERY, NORMAL, STATES, goal
 from tests.support.stub import StandingClock, StubRobot, stub_station
@@ -50,15 +50,15 @@ async def test_a_drive_is_told_once_at_its_start_each_quarter_and_its_end() -> N
 async def test_a_drive_with_queue_stop_and_low_battery_repeats_nothing() -> None:
     soon_low = ("-p", "battery_monitor:low_battery_threshold:=80.0")
     async with operated(ros_args=(*LONG, *soon_low), use_sim=True) as person:
-        await typed(person, "go 12 7\n", "m left of")
-        await typed(person, "reset\n", "(add --yes to do it)")
-        await typed(person, "", "alarm unacknowledged: LOW BATTERY")
-        await typed(person, "ack\n", "acknowledged: low battery")
-        await typed(person, "stop\n", "alarm unacknowledged: STOPPED")
-        await typed(person, "status\n", "queue held: 7 (STOP)")
-        await typed(person, "go 3\n", "failed: go: emergency stop: release it first")
-        await typed(person, "release --yes\n", "alarm over, unacknowledged: stopped\n")
-        await typed(person, "status\n", "alarm over, unacknowledged: STOPPED: look for")
+        await person.enter("go 12 7", "m left of")
+        await person.enter("reset", "(add --yes to do it)")
+        await person.until("alarm unacknowledged: LOW BATTERY")
+        await person.enter("ack", "acknowledged: low battery")
+        await person.enter("stop", "alarm unacknowledged: STOPPED")
+        await person.enter("status", "queue held: 7 (STOP)")
+        await person.enter("go 3", "failed: go: emergency stop: release it first")
+        await person.enter("release --yes", "alarm over, unacknowledged: stopped\n")
+        await person.enter("status", "alarm over, unacknowledged: STOPPED: look for")
         assert await person.end("skip\n") == 1
     # what happens has its time; what is asked for may be told again
     told = "\n".join(re.findall(r"^\d\d:\d\d:\d\d .*", person.said, re.MULTILINE))
@@ -79,12 +79,6 @@ async def test_a_battery_that_falls_empty_is_never_called_normal() -> None:
         await person.until("alarm unacknowledged: BATTERY EMPTY")
         await person.until("alarm replaced by a graver one: low battery")
     assert "alarm normal" not in person.said
-
-
-async def typed(person: Typed, line: str, said: str) -> None:
-    """Type that, and wait for what is said."""
-    person.type(line)
-    await person.until(said)
 
 
 @pytest.mark.parametrize("verb", ["status", "nodes", "params", "history", "help"])

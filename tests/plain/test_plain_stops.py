@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.msg import BatteryStatus
 from rclpy.node import Node
 
 from archo_tui.base.clock import Clock
@@ -24,31 +23,14 @@ from tests.support.peer import Peer
 from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.robot import making
-from tests.support.script import Script, shell
+from tests.support.script import Script
 from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, goal
-from tests.support.stub import StubRobot, stub_station
+from tests.support.stub import Willing, stub_station
 from tests.support.waiting import DEADLINE
 
 CART = Path(__file__).parent.parent / "robots" / "cart.yaml"
 VOID = "not sent: STOP came after it"
-
-
-def test_a_release_typed_before_a_stop_is_not_sent() -> None:
-    script = Script()
-    script.type("stop\n")
-    script.until("STOP: confirmed")
-    assert script.end("release --yes\nstop\nstatus\n") == 1
-    assert f"failed: release: {VOID}" in script.said
-    assert "console: release stop" not in script.said
-    assert "motor STOPPED" in script.said.split("failed:")[1], script.said
-
-
-def silent_battery(**options: Any) -> Node:
-    """A battery that reports nothing: until 5 s after the start, the robot is not all found."""
-    node = Node("battery_monitor", **options)
-    node.create_publisher(BatteryStatus, "battery_level", 10)
-    return node
 
 
 async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards(
@@ -56,14 +38,12 @@ async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards(
 ) -> None:
     monkeypatch.setattr("archo_tui.verbs.verb.DISCOVERY_TIME", 60.0)  # The call waits.
     async with operated() as person:
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
+        await person.enter("stop", "STOP: confirmed")
         person.type("status\ncall /nosuch\nrelease --yes\n")
         await person.until("\ngoal No goal yet")
         began = clock.seconds()
         await until(lambda: clock.seconds() > began + 2.0)
-        person.type("stop\n")
-        await person.until(f"failed: call: {VOID}")
+        await person.enter("stop", f"failed: call: {VOID}")
         assert clock.seconds() < began + 4.0  # it would have waited for 5 s
         assert await person.end("status\n") == 1
     assert f"failed: release: {VOID}" in person.said
@@ -73,8 +53,7 @@ async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards(
 
 async def test_a_goal_typed_before_a_stop_that_does_not_latch_is_not_driven() -> None:
     async with operated(Cart, robot=CART) as person:
-        person.type("go 12\n")
-        await person.until("drives to 12")
+        await person.enter("go 12", "drives to 12")
         assert await person.end("cancel\ngo 7\ngo 3 4\nstop\n") == 1
     assert person.said.count(f"failed: go: {VOID}") == 2
     assert "STOP: confirmed" in person.said
@@ -100,36 +79,25 @@ async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
 
 async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
     async with operated(Cart, robot=CART) as person:
-        person.type("go 12 7\n")
-        await person.until("drives to 12")
-        person.type("stop\n")
-        await person.until("queue held: 7")
+        await person.enter("go 12 7", "drives to 12")
+        await person.enter("stop", "queue held: 7")
         assert await person.end("continue\nstop\n") == 1
     assert f"failed: continue: {VOID}" in person.said
     assert "not driven: 7" in person.said
     assert "drives to 7" not in person.said
 
 
-class Slow(StubRobot):
-    """Answers when the test says so, and keeps what it was told."""
+class Slow(Willing):
+    """Answers a STOP when the test says so."""
 
     def __init__(self, snapshot: Snapshot = NORMAL) -> None:
         super().__init__(snapshot)
-        self.told: list[str] = []
         self.answers: list[asyncio.Future[Outcome]] = []
 
     async def emergency_stop(self) -> Outcome:
         self.told.append("stop")
         self.answers.append(asyncio.get_running_loop().create_future())
         return await self.answers[-1]
-
-    async def cancel(self, **_: bool) -> Outcome:
-        self.told.append("cancel")
-        return Outcome(Code.DONE, "cancelling")
-
-    async def command(self, *_: object) -> Outcome:
-        self.told.append("reset")
-        return Outcome(Code.DONE, "Encoder reset to zero")
 
 
 async def test_a_cancel_typed_before_a_stop_still_goes() -> None:
@@ -158,22 +126,20 @@ async def test_stops_that_come_before_the_answer_are_covered_by_one_more() -> No
     assert robot.told == ["stop", "stop"]
 
 
-class Quick(Slow):
-    """Answers at once."""
+class Quick(Willing):
+    """Stops and releases at once."""
 
     async def emergency_stop(self) -> Outcome:
-        self.told.append("stop")
-        self._say(stopped=True)
-        return Outcome(Code.DONE, "Stopped")
+        return self._say("stop", stopped=True)
 
     async def release_emergency_stop(self) -> Outcome:
-        self.told.append("release")
-        self._say(stopped=False)
-        return Outcome(Code.DONE, "Released")
+        return self._say("release", stopped=False)
 
-    def _say(self, *, stopped: bool) -> None:
+    def _say(self, told: str, *, stopped: bool) -> Outcome:
+        self.told.append(told)
         self.stops.superseded = not stopped
         self.put(self.snapshot._replace(motion=replace(self.snapshot.motion, stopped=stopped)))
+        return Outcome(Code.DONE, told)
 
 
 async def in_no_time(holds: Callable[[int], object], number: int) -> None:
@@ -185,7 +151,7 @@ async def in_no_time(holds: Callable[[int], object], number: int) -> None:
 
 
 async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
-    robot: Any = Quick()
+    robot: Any = Quick(NORMAL)
     async with typing(stub_station(robot, clock.current or Clock())) as person:
         for count in range(1, 6):
             person.type("stop\nrelease --yes\n")
@@ -193,7 +159,7 @@ async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
 
 
 async def test_of_a_flood_of_stops_two_a_second_reach_the_robot() -> None:
-    robot: Any = Quick()
+    robot: Any = Quick(NORMAL)
     async with typing(stub_station(robot, clock.current or Clock())) as person:
         began = clock.seconds()
         for count in range(1, 101):
@@ -231,8 +197,7 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
 async def test_a_line_read_for_a_question_waits_for_the_stop_before_it() -> None:
     robot: Any = Slow(goal(Phase.MOVING, mine=False))
     async with typing(stub_station(robot, clock.current or Clock()), at_terminal=True) as person:
-        person.type("cancel\n")
-        await person.until("Another client sent this goal. Cancel it? [y/N]")
+        await person.enter("cancel", "Another client sent this goal. Cancel it? [y/N]")
         person.type("stop\nreset\n")
         while not person._plain._input._waiting:  # Both are there when the loop goes on.
             time.sleep(clock.LOOK)
@@ -242,7 +207,7 @@ async def test_a_line_read_for_a_question_waits_for_the_stop_before_it() -> None
         await Quiet().settle()
         assert robot.told == ["stop"]
         robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
-        await until(lambda: robot.told == ["stop", "reset"])
+        await until(lambda: robot.told == ["stop", "command"])
 
 
 @pytest.mark.parametrize("typed", ["stop", "quit\nstop\n", "quit\nstop"])
@@ -280,18 +245,11 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
     assert person.said.count("battery ") == 1024 * 1024 // len(line)
 
 
-@pytest.mark.parametrize("typed", ["go 12\\nstop", "quit\\nstop\\n", "\\357\\273\\277Stop!\\r"])
-def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
-    done = shell(f"printf '{typed}' | archo --plain")
-    assert b"STOP: confirmed" in done.stdout, done
-
-
 async def test_a_stop_that_is_refused_late_is_said() -> None:
     async with operated(Made(StandIn, "brake", "no", seconds=2.5)) as person:
-        station = person._plain._station
+        station = person.station
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
-        person.type("stop\n")
-        await person.until("failed: stop: ")
+        await person.enter("stop", "failed: stop: ")
         await person.until("STOP, answered late: REFUSED")
 
 
@@ -308,20 +266,24 @@ async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -
     made: list[Peer] = []
     nodes = [*_robots_nodes(False).values(), making(made, Peer)]
     async with operated(*nodes, at_terminal=True) as person:
-        person.type("stop\n")
-        await person.until("alarm unacknowledged: STOPPED")
-        person.type("release\n")
-        await person.until("[y/N]")
+        await person.enter("stop", "alarm unacknowledged: STOPPED")
+        await person.enter("release", "[y/N]")
         made[0].tell("stop")
         await person.until(f"failed: release: {VOID}")
         assert await person.end() == 1
     assert "release stop" not in person.said
 
 
-async def test_a_stop_that_no_node_serves_is_never_called_sent() -> None:
+async def test_a_stop_that_no_node_serves_is_said_in_time_and_never_called_sent() -> None:
     async with operated(lambda **options: Node("none", **options)) as person:
-        person.type("stop\n")
         said = "STOP NOT CONFIRMED (emergency_stop is not offered by any node): use the hardware"
-        await person.until(f"alarm unacknowledged: {said}")
-        await person.until("failed: stop: /emergency_stop is not offered by any node")
+        await person.enter("stop", f"alarm unacknowledged: {said}")
+        failed = "failed: stop: /emergency_stop is not offered by any node"
+        await person.until(failed)
+        later = clock.seconds() + 6.0
+        await until(lambda: clock.seconds() > later)
+        began = clock.seconds()
+        person.type("stop\n")
+        await until(lambda: person.said.count(failed) == 2)
+        assert clock.seconds() - began < 2.5
     assert "STOP SENT" not in person.said

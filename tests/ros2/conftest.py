@@ -7,10 +7,12 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from tests.support import chosen
+from tests.support.waiting import DEADLINE
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -51,6 +53,23 @@ class Processes:
         )
         self._running.append(process)
         return process
+
+    def begin(self, *words: str, **options: Any) -> subprocess.Popen[str]:
+        """Begin the console's command line, with options of `Popen`."""
+        given = {"env": self.environment, **options}
+        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        command = [sys.executable, "-m", "archo_tui", *words]
+        return subprocess.Popen(command, text=True, **(pipes | given))
+
+    def run(self, *words: str, typed: str = "", **options: Any) -> tuple[int, str, str]:
+        """Return the exit code of a command line, its output and its errors."""
+        with self.begin(*words, **options) as command:
+            out, err = command.communicate(typed, timeout=2 * DEADLINE)
+        return command.returncode, out, err
+
+    def verb(self, *words: str) -> tuple[int, str, str]:
+        """Run it on ROS 2."""
+        return self.run("--engine", "ros2", *words)
 
     def kill(self, process: subprocess.Popen[bytes]) -> None:
         """As a crash: no good-bye on the graph."""

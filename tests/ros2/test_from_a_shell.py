@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 import subprocess
@@ -18,38 +17,22 @@ FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
 SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
 
 
-def begun(processes: Processes, *words: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words],
-        env=processes.environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def ended(processes: Processes, *words: str) -> tuple[int, str, str]:
-    verb = begun(processes, *words)
-    out, err = verb.communicate(timeout=2 * DEADLINE)
-    return verb.returncode, out, err
-
-
 def test_a_verb_attaches_acts_and_leaves(processes: Processes) -> None:
     processes.start(MOTOR, *FAST)
     processes.start(BATTERY, "-p", "publish_period:=0.1")
-    assert ended(processes, "go", "12", "--wait") == (0, "", "accepted\nArrived at shelf 12\n")
-    code, out, _ = ended(processes, "status", "--line")
+    assert processes.verb("go", "12", "--wait") == (0, "", "accepted\nArrived at shelf 12\n")
+    code, out, _ = processes.verb("status", "--line")
     assert (code, out[:6]) == (0, "ARCHO ")
-    beyond = ended(processes, "go", "99", "--wait")
+    beyond = processes.verb("go", "99", "--wait")
     assert beyond == (2, "", "archo-tui: go: Shelf: at most 40, not 99\n")
-    assert ended(processes, "stop") == (0, "", "confirmed\n")
-    code, _, err = ended(processes, "release")
+    assert processes.verb("stop") == (0, "", "confirmed\n")
+    code, _, err = processes.verb("release")
     assert (code, "add --yes to do it" in err) == (2, True)
 
 
 def test_ctrl_c_cancels_its_goal(processes: Processes) -> None:
     processes.start(MOTOR, *SLOW)
-    drives = begun(processes, "go", "12", "--wait")
+    drives = processes.begin("--engine", "ros2", "go", "12", "--wait")
     assert drives.stderr is not None
     assert drives.stderr.readline() == "accepted\n"
     drives.send_signal(signal.SIGINT)
@@ -77,12 +60,12 @@ def test_ctrl_z_ends_what_it_publishes_with_no_speed(processes: Processes) -> No
         hearing = threading.Thread(target=lambda: speeds.extend(map(float, driven.stdout or ())))
         hearing.start()
         try:
-            drives = begun(processes, *words)
+            drives = processes.begin("--engine", "ros2", *words)
             wait_until(lambda: len(speeds) >= 20 or drives.poll() is not None)
             if drives.poll() is not None:  # A pause of a busy machine has ended it.
                 drives.communicate()
                 speeds.clear()
-                drives = begun(processes, *words)
+                drives = processes.begin("--engine", "ros2", *words)
                 wait_until(lambda: len(speeds) >= 20)
             assert speeds == [0.5] * len(speeds)
             drives.send_signal(signal.SIGTSTP)
@@ -101,7 +84,7 @@ def test_ctrl_z_ends_what_it_publishes_with_no_speed(processes: Processes) -> No
 
 def test_without_a_robot_it_is_one_line(processes: Processes) -> None:
     where = f"on domain {processes.domain} (rmw_fastrtps_cpp, discovery LOCALHOST): "
-    code, out, err = ended(processes, "status")
+    code, out, err = processes.verb("status")
     assert (code, out, len(err.splitlines())) == (3, "", 1)
     said = "archo-tui: no console runs here, and no robot is "
     assert err.startswith(f"{said}{where}for a robot elsewhere set ")
@@ -121,13 +104,13 @@ def test_a_robot_file_is_used_without_a_console(processes: Processes, tmp_path: 
     file.write_text(DOLLY)
     processes.start(MOTOR, "-r", "__ns:=/d1")
     dolly = "--namespace", "/d1", "--robot", str(file)
-    assert ended(processes, *dolly, "zero") == (0, "", "Encoder reset to zero\n")
-    assert ended(processes, *dolly, "stop") == (0, "", "confirmed\n")
-    code, out, err = ended(processes, *dolly, "status")
+    assert processes.verb(*dolly, "zero") == (0, "", "Encoder reset to zero\n")
+    assert processes.verb(*dolly, "stop") == (0, "", "confirmed\n")
+    code, out, err = processes.verb(*dolly, "status")
     assert (code, err) == (0, "")
     assert "motion IDLE\ngoal the robot file names no goal\n" in out
-    assert ended(processes, *dolly, "zerro")[::2] == (2, NEAREST)
-    code, out, _ = ended(processes, "--robot", str(file), "zero", "--help")
+    assert processes.verb(*dolly, "zerro")[::2] == (2, NEAREST)
+    code, out, _ = processes.verb("--robot", str(file), "zero", "--help")
     assert (code, out.splitlines()[0]) == (0, "zero: Zero")
 
 
@@ -138,26 +121,12 @@ def test_a_wrong_namespace_is_answered_with_where_robots_are(processes: Processe
     processes.start(MOTOR, "-r", "__ns:=/d1")
     seen = "robots seen: /d1; use --namespace /d1"
     for verb in ("status", "alarms", "stop"):
-        code, out, err = ended(processes, "--namespace", "/d2", verb)
+        code, out, err = processes.verb("--namespace", "/d2", verb)
         said = f"archo-tui: no console runs here, and no robot is in namespace /d2: {seen}\n"
         assert (code, out, err) == (3, "", said)
-    code, out, _ = ended(processes, "status")
+    code, out, _ = processes.verb("status")
     assert (code, out.splitlines()[0]) == (0, seen)
-    assert ended(processes, "alarms") == (0, f"no data yet: {seen}\n", "")
-
-
-def plain(processes: Processes, state: Path, typed: str, *words: str) -> str:
-    """Return what a console with `--plain` says to lines that are typed."""
-    done = subprocess.run(
-        [sys.executable, "-m", "archo_tui", "--engine", "ros2", "--attach", "--plain", *words],
-        env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain), "XDG_STATE_HOME": str(state)},
-        input=typed,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=2 * DEADLINE,
-    )
-    return done.stdout
+    assert processes.verb("alarms") == (0, f"no data yet: {seen}\n", "")
 
 
 def test_a_console_that_starts_tells_of_a_stop_that_was_not_released(
@@ -166,10 +135,15 @@ def test_a_console_that_starts_tells_of_a_stop_that_was_not_released(
     file = tmp_path / "dolly.yaml"
     file.write_text(DOLLY)
     processes.start(MOTOR, "-r", "__ns:=/d1")
-    dolly = "--namespace", "/d1", "--robot", str(file)
-    assert "STOP: confirmed" in plain(processes, tmp_path, "stop\n", *dolly)
-    told = plain(processes, tmp_path, "alarms\nrelease --yes\n", *dolly)
+    words = "--engine", "ros2", "--attach", "--plain", "--namespace", "/d1", "--robot", str(file)
+    environment = processes.environment | {"XDG_STATE_HOME": str(tmp_path)}
+
+    def plain(typed: str) -> str:
+        return processes.run(*words, typed=typed, env=environment)[1]
+
+    assert "STOP: confirmed" in plain("stop\n")
+    told = plain("alarms\nrelease --yes\n")
     assert "HAS NO RELEASE IN THE JOURNAL: the robot may still be stopped" in told
     assert "release stop: Released" in told  # nothing kept it from that
     # A busy machine may not have found the robot by then.
-    wait_until(lambda: "No alarms" in plain(processes, tmp_path, "alarms\n", *dolly))
+    wait_until(lambda: "No alarms" in plain("alarms\n"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -12,27 +11,14 @@ from tests.ros2.conftest import Processes
 from tests.support.waiting import DEADLINE
 
 
-def archo(domain: int, *words: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "archo_tui", *words],
-        env=os.environ | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"},
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def ended(domain: int, *words: str) -> tuple[int, str]:
-    verb = archo(domain, *words)
-    _, err = verb.communicate(timeout=2 * DEADLINE)
-    return verb.returncode, err
+def environment(domain: int) -> dict[str, str]:
+    return os.environ | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
 
 
 @contextmanager
-def console(domain: int, *words: str) -> Iterator[subprocess.Popen[str]]:
+def console(processes: Processes, domain: int, *words: str) -> Iterator[subprocess.Popen[str]]:
     """A `--plain` that has said the state of its robot."""
-    with archo(domain, "--plain", *words) as begun:
+    with processes.begin("--plain", *words, env=environment(domain)) as begun:
         assert begun.stdin is not None
         assert begun.stdout is not None
         begun.stdin.write("status\n")
@@ -53,13 +39,16 @@ def stops(begun: subprocess.Popen[str]) -> int:
 
 def test_a_stop_of_one_engine_and_domain_stops_no_other(processes: Processes) -> None:
     domain, other = processes.domain, processes.domain + 1
-    with console(domain, "--engine", "embedded") as embedded:
-        code, err = ended(domain, "--engine", "ros2", "stop")
+    with console(processes, domain, "--engine", "embedded") as embedded:
+        code, _, err = processes.run("--engine", "ros2", "stop", env=environment(domain))
         assert (code, "and no robot is on domain" in err) == (3, True), err
-        with console(domain, "--engine", "ros2") as ros, console(other, "--engine", "ros2") as far:
-            code, err = ended(domain, "--engine", "ros2", "stop")
+        with (
+            console(processes, domain, "--engine", "ros2") as ros,
+            console(processes, other, "--engine", "ros2") as far,
+        ):
+            code, _, err = processes.run("--engine", "ros2", "stop", env=environment(domain))
             assert (code, err) == (0, "confirmed\n")
-            code, err = ended(domain, "status")
+            code, _, err = processes.run("status", env=environment(domain))
             assert code == 3
             assert f"ARCHO /, ros2 domain {domain}" in err
             assert "ARCHO /, embedded" in err

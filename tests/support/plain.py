@@ -72,6 +72,16 @@ class Typed:
         while self._at_terminal and echoed.count(b"\n") < text.count("\n"):
             echoed += os.read(self._typing, 4096)  # only then it can be read at the other end
 
+    async def enter(self, line: str, said: str) -> None:
+        """Type a line, and wait until that is said."""
+        self.type(f"{line}\n")
+        await self.until(said)
+
+    @property
+    def station(self) -> Station:
+        """What the person operates."""
+        return self._plain._station
+
     @property
     def said(self) -> str:
         """All that was printed so far."""

@@ -26,6 +26,19 @@ def making(made: list[Any], kind: Any, *given: Any, **fixed: Any) -> Callable[..
     return make
 
 
+def hearing(
+    heard: list[Any], kind: Any, topic: str = "words", *, read: Callable[[Any], Any] = lambda m: m
+) -> Callable[..., Node]:
+    """Return a maker of a node that puts what it reads of each message of a topic into `heard`."""
+
+    def make(**options: Any) -> Node:
+        node = Node("hearing", **options)
+        node.create_subscription(kind, topic, lambda message: heard.append(read(message)), 10)
+        return node
+
+    return make
+
+
 @asynccontextmanager
 async def robot(
     *makers: Callable[..., Node], nodes: int | None = None, offers: str = "", **options: Any

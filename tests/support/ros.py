@@ -12,6 +12,7 @@ from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 
 from tests.support import chosen
@@ -40,6 +41,7 @@ class Ros:
         )
         self.errors: list[BaseException] = []
         self._spun: list[tuple[Any, threading.Thread]] = []
+        self._executors: list[Any] = []
         self._nodes: list[Node] = []
         self._ending = False
 
@@ -51,6 +53,26 @@ class Ros:
             node = kind(context=self.context, **options)
         self._nodes.append(node)
         return node
+
+    def executor(self, *nodes: Node) -> SingleThreadedExecutor:
+        """An executor with these nodes, for the test's own thread."""
+        executor = SingleThreadedExecutor(context=self.context)
+        self._executors.append(executor)
+        for node in nodes:
+            executor.add_node(node)
+        return executor
+
+    def topic(self, kind: Any, *nodes: Node, qos: Any = 10) -> tuple[Publisher[Any], list[Any]]:
+        """A publisher, and what a subscription receives: of one node, or of the first and the last.
+
+        They have found each other; nobody spins yet.
+        """
+        received: list[Any] = []
+        nodes = nodes or (self.node(),)
+        nodes[-1].create_subscription(kind, "topic", received.append, qos)
+        publisher = nodes[0].create_publisher(kind, "topic", qos)
+        wait_until(lambda: publisher.get_subscription_count() == 1)
+        return publisher, received
 
     def spin(self, *nodes: Node, executor: Any = None) -> Any:
         """Spin the nodes in one new thread until the test ends; errors land in `errors`."""
@@ -99,6 +121,12 @@ class Ros:
             assert not waited.too_long(), f"waited {waited} for {holds}"
             executor.spin_once(timeout_sec=0.1)
 
+    def __enter__(self) -> Ros:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         self._ending = True
         for executor, thread in self._spun:
@@ -106,6 +134,8 @@ class Ros:
                 executor.create_task(lambda: None)
                 thread.join(5)
                 assert not thread.is_alive(), "a spinning thread did not end"
+            executor.shutdown(0)
+        for executor in self._executors:
             executor.shutdown(0)
         for node in self._nodes:
             node.destroy_node()

@@ -74,12 +74,12 @@ class Script:
         assert self._process.stdout is not None
         self._said += self._process.stdout.read() or b""
 
-    def until(self, text: str) -> None:
-        """Read until that is said."""
+    def until(self, text: str, times: int = 1) -> None:
+        """Read until that is said, or said so many times."""
 
         def is_said() -> bool:
             self._read()
-            return text in self.said
+            return self.said.count(text) >= times
 
         _until(is_said, lambda: f"{text!r}:\n{self.said[-10_000:]}")
 

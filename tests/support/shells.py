@@ -159,3 +159,14 @@ async def raw() -> Raw:
     """Connected to the console of this process; its hello is not read yet."""
     connected = await asyncio.to_thread(reached)
     return Raw(*await asyncio.open_unix_connection(sock=connected, limit=2**24))
+
+
+@asynccontextmanager
+async def guest() -> AsyncIterator[Raw]:
+    """One that has read its hello, and leaves at the end."""
+    one = await raw()
+    assert (await one.line())["protocol"] == 1
+    try:
+        yield one
+    finally:
+        one.close()

@@ -103,6 +103,22 @@ class StubRobot:
         return refuse
 
 
+class Willing(StubRobot):
+    """Does everything at once, and keeps what it was told."""
+
+    def __init__(self, snapshot: Snapshot, *, watching: bool = False) -> None:
+        super().__init__(snapshot)
+        self.watching = watching
+        self.told: list[str] = []
+
+    def __getattr__(self, verb: str) -> Any:
+        async def do(*_: Any, **__: Any) -> Outcome:
+            self.told.append(verb)
+            return Outcome(Code.DONE, "done")
+
+        return super().__getattr__(verb) if verb in ("note", "wait_for_events") else do
+
+
 def stub_station(
     robot: Any,
     clock: Clock | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,11 @@ from rclpy.node import Node
 from archo_tui.base.errors import ArchoError
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session.options import Options
 from archo_tui.session.session import Session
 from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import DEADLINE, wait_until
-from tests.user_code.support import states, texts, written
+from tests.user_code.support import is_told, life, running, states, texts, written
 
 pytestmark = pytest.mark.real_time
 
@@ -82,16 +81,10 @@ class Motor(Node):
 
 @contextmanager
 def hosting(*files: Path, **options: Any) -> Iterator[Session]:
-    """A session whose nodes are waited for as long as a constructor without a wait may take."""
-    given = {"only": True, **options}
-    session = Session(
-        Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, **given), None
-    )
-    session.start()
-    try:
+    """A session at whose end nothing is left."""
+    with running(*files, **options) as session:
         yield session
-    finally:
-        assert session.close() == []
+        assert session.host.stop() == []
 
 
 @pytest.fixture(autouse=True)
@@ -100,34 +93,21 @@ def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 0.3)
 
 
-def is_up(session: Session, name: str) -> Callable[[], bool]:
-    return lambda: states(session)[name].life is Life.UP
-
-
-def test_a_constructor_is_answered_by_a_node_of_a_later_file(
+def test_a_constructor_is_answered_by_a_later_files_node_and_holds_up_nobody(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("archo_tui.user_code.program.START_TIME", DEADLINE)
+    began = time.monotonic()
     with hosting(written("asker.py", ASKER), written("lamp.py", LAMP)) as session:
-        wait_until(is_up(session, "/asker"))
+        assert chosen.ENGINE != "embedded" or time.monotonic() - began < 15.0
+        wait_until(lambda: life(session, "/asker") is Life.UP)
         wait_until(lambda: "answer: on" in texts(session))
         if chosen.ENGINE == "embedded":
             late = "asker.py:11: Asker.__init__ waits for other nodes, in: while not client."
-            wait_until(lambda: any(text.startswith(late) for text in texts(session)))
+            wait_until(lambda: is_told(session, late))
 
 
 INSIDE = pytest.mark.skipif(chosen.ENGINE != "embedded", reason="a child cannot be looked into")
-
-
-@INSIDE
-def test_a_constructor_that_waits_for_others_holds_up_nobody(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 20.0)
-    began = time.monotonic()
-    with hosting(written("asker.py", ASKER), written("lamp.py", LAMP)) as session:
-        assert time.monotonic() - began < 15.0
-        wait_until(is_up(session, "/asker"))
 
 
 @INSIDE
@@ -135,13 +115,13 @@ def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
     with hosting(written("asker.py", ASKER)) as session:
         line = "line 11, in: while not client.wait_for_service("
         wait_until(lambda: states(session)["/asker"].error.startswith(line))
-        assert states(session)["/asker"].life is Life.STARTING
+        assert life(session, "/asker") is Life.STARTING
         assert session.host.start_node("/asker") == (Code.REFUSED, "/asker is starting")
         assert session.host.stop_node("/asker") == (Code.DONE, "/asker stopped")
-        assert states(session)["/asker"].life is Life.STOPPED
+        assert life(session, "/asker") is Life.STOPPED
         wait_until(lambda: "/asker" not in [n.name for n in session.robot.snapshot.nodes])
         assert session.host.start_node("/asker").ok
-        wait_until(lambda: states(session)["/asker"].life is Life.STARTING)
+        wait_until(lambda: life(session, "/asker") is Life.STARTING)
 
 
 @INSIDE
@@ -151,7 +131,7 @@ def test_one_that_takes_its_time_is_said_with_the_line(monkeypatch: pytest.Monke
         late = re.compile(r"motor\.py:1[56]: Motor\.__init__ has not returned, in: ")
         wait_until(lambda: any(late.match(text) for text in texts(session)))
         Path("go").touch()
-        wait_until(is_up(session, "/motor"))
+        wait_until(lambda: life(session, "/motor") is Life.UP)
 
 
 @INSIDE
@@ -185,7 +165,7 @@ def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
     with hosting(written("motor.py", fails)) as session:
         wait_until(lambda: "/motor" in session.host.names())
         Path("go").touch()
-        wait_until(lambda: states(session)["/motor"].life is Life.CRASHED)
+        wait_until(lambda: life(session, "/motor") is Life.CRASHED)
         assert states(session)["/motor"].error == (
             "line 17: ZeroDivisionError: division by zero, in: 1 / 0"
         )

@@ -13,16 +13,15 @@ from typing import Any
 
 import pytest
 
-from archo_tui.base.errors import ArchoError
 from archo_tui.cli import main
 from archo_tui.robot.state.snapshot import Life
-from archo_tui.session.options import Launch, Options, check_options
+from archo_tui.session.options import Launch
 from archo_tui.session.session import Session
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.launch_file import LaunchFile
 from tests.support import chosen
 from tests.support.waiting import wait_until
-from tests.user_code.support import running, states, texts
+from tests.user_code.support import is_told, life, release, running, states, stop, texts
 
 pytestmark = [
     pytest.mark.real_time,
@@ -151,7 +150,7 @@ def test_a_launch_file_runs_its_programs_each_as_it_says(
         assert os.environ["WHEELS"] == "4"
         said = [f"{file}:18: wheels on the right"]
         said += [f"{file}:21: ExecuteProcess does not run here"]
-        wait_until(lambda: all(any(t.startswith(s) for t in texts(session)) for s in said))
+        wait_until(lambda: all(is_told(session, text) for text in said))
         # One of them ends, and the other goes on.
         assert session.host.stop_node("/spare").ok
         assert states(session)["/right/wheels"].life is Life.UP
@@ -205,14 +204,14 @@ def test_what_is_respawned_is_not_behind_a_stop(
     runs = Path("runs.txt")
     with launched(launch_file(once), only=False) as session:
         wait_until(lambda: runs.exists() and runs.read_text().count("ran") >= 3)
-        assert asyncio.run(session.robot.emergency_stop()).ok
+        stop(session)
         wait_until(lambda: session.host._early_stop_request()[0])
         count = runs.read_text().count("ran")
         asyncio.run(asyncio.sleep(0.6))
         assert runs.read_text().count("ran") <= count + 1  # It may have begun just before.
         count = runs.read_text().count("ran")
         wait_until(lambda: states(session)["/once"].life is Life.WAITING)
-        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        release(session)
         asyncio.run(asyncio.sleep(0.6))
         assert runs.read_text().count("ran") == count  # Never by the release itself.
         assert session.host.start_node("/once").ok
@@ -242,18 +241,32 @@ def main():
 BRIDGE = 'Node(package="my_wheels", executable="once", name="bridge"),'
 
 
-def test_of_programs_that_exit_at_once_the_others_run_on(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def bridge(text: str) -> None:
+    """Let the executable `once` be that text."""
     setup = Path("ws/src/my_wheels/setup.py")
     setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
-    (setup.parent / "my_wheels/bridge.py").write_text(EXITS)
+    (setup.parent / "my_wheels/bridge.py").write_text(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"), [(EXITS, "exit code 1"), ("def", "line 1: SyntaxError")]
+)
+def test_of_programs_that_exit_at_once_or_are_not_python_the_others_run_on(
+    workspace: Path, text: str, error: str
+) -> None:
+    bridge(text)
     with launched(launch_file(BRIDGE + "wheels(),")) as session:
-        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
-        assert states(session)["/bridge"].life is Life.CRASHED
-        assert states(session)["/bridge"].error == "exit code 1"
-        wait_until(lambda: {"no serial port", "crashed: exit code 1"} <= set(texts(session)))
-    sys.modules.pop("my_wheels.bridge")  # As in a new process.
+        wait_until(lambda: life(session, "/wheels") is Life.UP)
+        assert life(session, "/bridge") is Life.CRASHED
+        assert states(session)["/bridge"].error.startswith(error)
+        wait_until(lambda: is_told(session, f"crashed: {error}"))
+        wait_until(lambda: "no serial port" in texts(session) or text != EXITS)
+
+
+def test_a_launch_file_whose_programs_all_exit_says_what_they_said(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bridge(EXITS)
     file = launch_file(BRIDGE)
     assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
     lines = capsys.readouterr().err.splitlines()
@@ -262,16 +275,6 @@ def test_of_programs_that_exit_at_once_the_others_run_on(
         "archo-tui: bridge: crashed: exit code 1",
         f"archo-tui: nothing of {file} runs here",
     ]
-
-
-def test_of_programs_that_are_not_python_the_others_run_on(workspace: Path) -> None:
-    setup = Path("ws/src/my_wheels/setup.py")
-    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
-    (setup.parent / "my_wheels/bridge.py").write_text("def")
-    with launched(launch_file(BRIDGE + "wheels(),")) as session:
-        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
-        assert states(session)["/bridge"].life is Life.CRASHED
-        assert states(session)["/bridge"].error.startswith("line 1: SyntaxError")
 
 
 def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: Path) -> None:
@@ -284,7 +287,7 @@ def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: 
         session._watch.watched = [(watched, reload)]
         launch_file("1 / 0,")
         wrong = f"the saved text does not run: {file}:19: ZeroDivisionError"
-        wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))
+        wait_until(lambda: is_told(session, wrong))
         assert restarts == []
         Path("ws/src/my_wheels/config/wheels.yaml").write_text("/**: {ros__parameters: {speed: 2}}")
         launch_file(TWO)
@@ -313,15 +316,8 @@ def test_a_launch_file_is_saved_when_one_that_it_includes_is(workspace: Path) ->
     launch.close()
 
 
-def test_with_ros_2_the_launch_of_ros_2_is_named() -> None:
-    options = Options("ros2", launch=Launch(Path("robot.launch.py"), {}))
-    with pytest.raises(ArchoError, match=r"on ROS 2, ros2 launch robot\.launch\.py does it"):
-        check_options(options)
-
-
 def test_a_workspace_in_the_place_of_a_node_file_is_hosted(workspace: Path) -> None:
-    given = Options(domain_id=chosen.next_domain(), node_files=[workspace], only=True)
-    with Session(given) as session:
+    with running(workspace) as session:
         wait_until(lambda: "/wheels" in states(session))
         assert "/speed" in session.context._graph.topics
 

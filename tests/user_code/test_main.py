@@ -13,7 +13,7 @@ from archo_tui.session.session import Session
 from tests.support import chosen, warm
 from tests.support.night import corners
 from tests.support.waiting import wait_until
-from tests.user_code.support import running, states, texts
+from tests.user_code.support import life, running, states, texts, written
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -46,7 +46,6 @@ def up(session: Session) -> list[str]:
     ("program", "nodes"),
     [
         ("programs/main_has_branches", ["/motor_sim"]),
-        ("programs/name_given_in_main", ["/talker"]),
         ("programs/node_made_in_main", ["/battery_monitor"]),
     ],
 )
@@ -84,36 +83,6 @@ async def main():
 if __name__ == "__main__":
     asyncio.run(main())
 """,
-    "a partial": """
-from functools import partial
-
-
-def main():
-    rclpy.init()
-    make = partial(Talker, "talker")
-    rclpy.spin(make())
-""",
-    "a ternary": """
-def main():
-    rclpy.init()
-    rclpy.spin(Other() if len(sys.argv) > 100 else Talker("talker"))
-""",
-    "a match": """
-def main():
-    rclpy.init()
-    match "talker":
-        case "other":
-            node = Other()
-        case name:
-            node = Talker(name)
-    rclpy.spin(node)
-""",
-    "a lambda": """
-def main():
-    rclpy.init()
-    make = lambda: Talker("talker")
-    rclpy.spin(make())
-""",
     "a coroutine function without a block": """
 async def main():
     rclpy.init()
@@ -130,15 +99,13 @@ rclpy.spin(Talker("talker"))
     "made", corners(["an App", "asyncio", "a script"], [name for name in MADE if " " in name])
 )
 def test_what_is_made_by(made: str, here: Path) -> None:
-    file = here / "program.py"
-    file.write_text(HEAD + MADE[made])
+    file = written("program.py", HEAD + MADE[made])
     with running(file) as session:
         wait_until(lambda: up(session) == ["/talker"])
 
 
 def test_a_file_without_main_has_its_node_classes_made_each_alone(here: Path) -> None:
-    file = here / "program.py"
-    file.write_text(HEAD)
+    file = written("program.py", HEAD)
     with running(file) as session:
         wait_until(lambda: up(session) == ["/nobody", "/other"])
 
@@ -158,7 +125,7 @@ def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
 def test_a_main_that_sends_a_goal_sends_it() -> None:
     with running(SHARE / "programs" / "main_sends_a_goal.py", only=False) as session:
         wait_until(lambda: "/sender" in states(session))
-        wait_until(lambda: states(session)["/sender"].life is Life.ENDED)
+        wait_until(lambda: life(session, "/sender") is Life.ENDED)
         wait_until(lambda: any("Moving to shelf 3" in text for text in texts(session)))
 
 
@@ -224,8 +191,7 @@ class Second(Node):
 def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
     other = {"first": "second", "second": "first"}[which]
     text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')
-    file = here / "two.py"
-    file.write_text(text.replace(f"{{{other}}}", "pass"))
+    file = written("two.py", text.replace(f"{{{other}}}", "pass"))
     with running(file) as session:
         wait_until(lambda: Life.CRASHED in {state.life for state in states(session).values()})
         [state] = states(session).values()
@@ -236,8 +202,8 @@ def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, whic
 
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there Python prints the traceback")
 def test_an_error_of_main_is_told_at_once_though_its_threads_run_on(here: Path) -> None:
-    file = here / "threads.py"
-    file.write_text(
+    file = written(
+        "threads.py",
         HEAD
         + """
 import threading
@@ -248,7 +214,7 @@ def main():
     node = Talker("talker")
     threading.Thread(target=rclpy.spin, args=(node,)).start()
     raise ValueError("no serial port")
-"""
+""",
     )
     with running(file) as session:
         told = "ValueError: no serial port"

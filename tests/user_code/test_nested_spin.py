@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
 
 from archo_tui.robot.outcome import Code
-from archo_tui.session.options import Options
 from archo_tui.session.session import Session
-from tests.support import chosen, clock
 from tests.support.waiting import wait_until
+from tests.user_code.support import running, texts, written
 
 CALLER = """
 import rclpy
@@ -51,20 +51,10 @@ OWN_EXECUTORS = ("SingleThreadedExecutor()", "MultiThreadedExecutor()")
 
 
 def hosting(
-    here: Path, group: str = OTHER, spin: str = SPIN, given: str = "", name: str = "caller"
-) -> Session:
-    file = here / f"{name}.py"
-    file.write_text(
-        CALLER.format(group=group, spin=spin, given=given).replace('"caller"', f'"{name}"')
-    )
-    options = Options(
-        engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=(file,), only=True
-    )
-    return Session(options, clock.current)
-
-
-def said(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
+    group: str = OTHER, spin: str = SPIN, given: str = "", name: str = "caller"
+) -> AbstractContextManager[Session]:
+    text = CALLER.format(group=group, spin=spin, given=given).replace('"caller"', f'"{name}"')
+    return running(written(f"{name}.py", text))
 
 
 def times(session: Session, text: str) -> int:
@@ -72,43 +62,43 @@ def times(session: Session, text: str) -> int:
 
 
 def test_a_node_that_spins_in_a_callback_ticks_on(here: Path) -> None:
-    with hosting(here) as session:
-        wait_until(lambda: "tick 4 ends: True" in said(session))
+    with hosting() as session:
+        wait_until(lambda: "tick 4 ends: True" in texts(session))
 
 
 def test_with_an_executor_of_its_own_it_ends_and_the_line_is_said(here: Path) -> None:
     for number, executor in enumerate(OWN_EXECUTORS):
         name = f"caller_{number}"
-        with hosting(here, spin=f"rclpy.spin(Caller(), {executor})", name=name) as session:
-            wait_until(lambda: "tick 1 ends: True" in said(session))
+        with hosting(spin=f"rclpy.spin(Caller(), {executor})", name=name) as session:
+            wait_until(lambda: "tick 1 ends: True" in texts(session))
             (event,) = (e for e in session.robot.snapshot.events if "executor" in e.text)
             assert (event.level, event.source) == ("WARN", name)
             assert event.text == (
-                f"{here / name}.py:26: takes {name} from the executor of main(), which calls "
+                f"{name}.py:26: takes {name} from the executor of main(), which calls "
                 f"nothing of {name} any more: pass executor=self.executor, "
                 "in: rclpy.spin_until_future_complete(self, future)"
             )
             # what an executor of threads waited for before may be called once more
             last = 2 if "Multi" in executor else 1
-            assert f"tick {last + 1} begins" not in said(session)
+            assert f"tick {last + 1} begins" not in texts(session)
             assert event.count == 1
 
 
 def test_given_the_executor_of_main_it_ticks_on(here: Path) -> None:
     spin = "rclpy.spin(Caller(), SingleThreadedExecutor())"
-    with hosting(here, spin=spin, given=", executor=self.executor") as session:
-        wait_until(lambda: "tick 4 ends: True" in said(session))
-        assert not [text for text in said(session) if "of main()" in text]
+    with hosting(spin=spin, given=", executor=self.executor") as session:
+        wait_until(lambda: "tick 4 ends: True" in texts(session))
+        assert not [text for text in texts(session) if "of main()" in text]
 
 
 @pytest.mark.real_time
 def test_stopping_a_node_ends_the_spin_that_would_never_end(here: Path) -> None:
     """The answer comes to the callback group that the timer's callback holds."""
     for spin in (SPIN, *(f"rclpy.spin(Caller(), {executor})" for executor in OWN_EXECUTORS)):
-        with hosting(here, group="None", spin=spin) as session:
-            wait_until(lambda: "tick 1 begins" in said(session))
+        with hosting(group="None", spin=spin) as session:
+            wait_until(lambda: "tick 1 begins" in texts(session))
             outcome = session.host.stop_node("/caller")
             assert outcome == (Code.DONE, "/caller stopped"), spin
             assert session.host.start_node("/caller").ok
             wait_until(lambda: times(session, "tick 1 begins") == 2)
-            assert "tick 1 ends: True" not in said(session)
+            assert "tick 1 ends: True" not in texts(session)

@@ -14,13 +14,14 @@ import pytest
 from textual.widgets import Static
 
 from archo_tui.robot.state.events import Event
-from archo_tui.session.options import Options
 from archo_tui.session.session import Session
 from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing
 from tests.support.quiet import outside, until
+from tests.user_code.support import running as hosting
+from tests.user_code.support import written
 
 TALKER = """
 from rclpy.node import Node
@@ -66,22 +67,13 @@ def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) ->
 
 
 @pytest.mark.real_time
-async def test_a_saved_file_runs_by_itself(here: Path) -> None:
+async def test_a_saved_file_runs_by_itself_and_what_is_wrong_with_it_is_said(here: Path) -> None:
     file = here / "talker.py"
     file.write_text(says("first words"))
     async with running(file) as op:
         await op.until("first words")
         await op.until("talker.py, saved ")
-        file.write_text(says("other words"))
-        await op.until("other words")
-        await op.until("talker.py was saved: /talker restarted")
-
-
-async def test_a_text_that_cannot_be_imported_leaves_the_node_running(here: Path) -> None:
-    file = here / "talker.py"
-    file.write_text(says("first words"))
-    async with running(file) as op:
-        await save(op, file, "import nosuchpackage\n" + says("other words"))
+        file.write_text("import nosuchpackage\n" + says("other words"))
         await op.until("✗ talker")
         await op.until("not restarted: line 1:")
         await op.until(lambda: event_with(op, "does not run"))
@@ -91,17 +83,7 @@ async def test_a_text_that_cannot_be_imported_leaves_the_node_running(here: Path
         assert f"looked for it in {Path.cwd()}" in event.text
         before = op.app.view.snapshot.events[-1]
         await op.until(lambda: op.app.view.snapshot.events[-1] != before)  # it still talks
-        await save(op, file, says("other words"))
-        await op.until("other words")
-        await op.until("● talker")
-
-
-async def test_a_constructor_that_raises_is_a_crash_and_the_next_text_runs(here: Path) -> None:
-    file = here / "talker.py"
-    file.write_text(says("first words"))
-    async with running(file) as op:
-        await op.until("first words")
-        await save(op, file, says("other words").replace('"gain", 1.0', '"gain", goal'))
+        file.write_text(says("other words").replace('"gain", 1.0', '"gain", goal'))
         await op.until("crashed: line 7:")
         await op.until(lambda: event_with(op, "NameError"))
         event = event_with(op, "NameError")
@@ -112,8 +94,10 @@ async def test_a_constructor_that_raises_is_a_crash_and_the_next_text_runs(here:
         # the file is named by its whole path, which may be wrapped anywhere
         assert any("talker.py" in str(shown.content) for shown in op.app.screen.query(Static))
         await op.press("escape")
-        await save(op, file, says("well again"))
+        file.write_text(says("well again"))
         await op.until("well again")
+        await op.until("talker.py was saved: /talker restarted")
+        await op.until("● talker")
 
 
 def parameter(session: Session, name: str) -> object:
@@ -125,41 +109,6 @@ def parameter(session: Session, name: str) -> object:
 
 def event_with(op: Console, text: str) -> Event | None:
     return next((e for e in op.app.view.snapshot.events if text in e.text), None)
-
-
-def _said(op: Console, text: str) -> int:
-    return sum(e.count for e in op.app.view.snapshot.events if e.text == text)
-
-
-@pytest.mark.waits
-async def test_a_crash_names_the_line_and_its_text(here: Path) -> None:
-    file = here / "talker.py"
-    file.write_text(talker("self.speed = distance / 0"))
-    async with running(file) as op:
-        await op.until("crashed: line 11:")
-        await op.until(lambda: "NameError" in op.app.view.hosted[0].error)
-        assert op.app.view.hosted[0].error.endswith(", in: self.speed = distance / 0")
-        await save(op, file, says("well again"))
-        await op.until("well again")
-
-
-async def test_sys_exit_ends_the_node_and_not_the_console(here: Path) -> None:
-    file = here / "talker.py"
-    file.write_text(talker("import sys; sys.exit(3)"))
-    async with running(file) as op:
-        await op.until("crashed: exit code 3")
-        await op.press("question_mark")
-        await op.until("Keys")
-
-
-@pytest.mark.waits
-async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -> None:
-    file = here / "talker.py"
-    file.write_text(talker("print('printed words')"))
-    async with running(file) as op:
-        await op.press("6")
-        await op.until("printed words")
-        await op.until("talker stdout")
 
 
 @pytest.mark.waits
@@ -207,35 +156,12 @@ async def test_a_goal_ends_with_its_node(here: Path) -> None:
         await op.until("MOVING to 8")
 
 
-async def test_parameters_that_were_set_are_set_again_where_they_fit(here: Path) -> None:
-    file = here / "talker.py"
-    text = talker("self.get_logger().warning(f'gain {self.get_parameter(\"gain\").value}')")
-    file.write_text(text)
-    async with running(file) as op:
-        await op.until("gain 1.0")
-        await op.until(lambda: any(p.name == "gain" for p in op.app.view.snapshot.parameters))
-        assert (await op.app.station.set_parameters("/talker", {"gain": 2.5})).ok
-        await op.until("gain 2.5")
-        await save(op, file, text.replace("gain {", "now {"))
-        await op.until("now 2.5")
-        await save(op, file, "1 / 0\n" + text)
-        await op.until("does not run")
-        assert parameter(op.session, "gain") == 2.5
-        await save(op, file, says("bare").replace('self.declare_parameter("gain", 1.0)', "pass"))
-        await op.until("bare")
-        await op.until("gain was not set again")
-
-
 @pytest.mark.skipif("chosen.ENGINE == 'ros2'", reason="there a node comes back seconds later")
 async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
     here: Path,
 ) -> None:
-    file = here / "talker.py"
-    file.write_text(says("first words"))
-    options = Options(
-        engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=[file], only=True
-    )
-    with Session(options, clock.current) as session:
+    file = written("talker.py", says("first words"))
+    with hosting(file) as session:
         async with typing(session.station) as person:
             await until(lambda: "gain" in parameter_names(session))
             for typed, value in (("set talker gain 2.5", 2.5), ("undo", 1.0)):
@@ -256,11 +182,8 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
 async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
     here: Path,
 ) -> None:
-    file = here / "talker.py"
-    file.write_text(says("first words"))
     # The node of a file, and one of the robot's own.
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=[file])
-    with Session(options, clock.current) as session:
+    with hosting(written("talker.py", says("first words")), only=False) as session:
         async with typing(session.station) as person:
             await until(lambda: {"gain", "max_speed"} <= parameter_names(session))
             person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
@@ -285,27 +208,6 @@ def parameter_names(session: Session) -> set[str]:
 async def pass_seconds(seconds: float) -> None:
     later = clock.seconds() + seconds
     await until(lambda: clock.seconds() > later)
-
-
-@pytest.mark.waits
-async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:
-    helper = here / "words_of_mine.py"
-    helper.write_text("WORDS = 'first words'\n")
-    file = here / "talker.py"
-    file.write_text(
-        "from words_of_mine import WORDS\n" + talker("self.get_logger().warning(WORDS)")
-    )
-    async with running(file) as op:
-        await op.until("first words")
-        watched, _ = op.session._watch.watched[0]
-        helper.write_text("WORDS = 'other words, longer'\n")
-        assert watched.current_stamps() != watched.loaded
-        await save(op, file, file.read_text())
-        await op.until("other words, longer")
-        await save(op, file, says("alone"))
-        await op.until("alone")
-        assert "words_of_mine" not in sys.modules
-    assert not (here / "__pycache__").exists()  # nothing of the reader's is written to
 
 
 @pytest.mark.real_time

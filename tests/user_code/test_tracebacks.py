@@ -1,15 +1,22 @@
-"""The traceback of a node that crashed, for the person who wrote it."""
+"""Tracebacks for the person who wrote the node, and the whole lines that nodes print."""
 
 from __future__ import annotations
 
+import gc
+import io
 import json
 import json.decoder
+import sys
+import threading
 from pathlib import Path
+from types import FrameType
 
 import pytest
 
 import archo_tui
 from archo_tui.user_code.errors import OwnCode, traceback_without
+from archo_tui.user_code.interrupt import frame_of
+from archo_tui.user_code.output import HarmlessOutput, NodeOutput
 
 pytestmark = pytest.mark.pure
 
@@ -80,3 +87,75 @@ def test_errors_that_a_deep_recursion_has_chained_are_all_told() -> None:
     said = traceback_without(error, json)
     assert said.startswith("ValueError: the first\n")
     assert said.rstrip().endswith("RuntimeError: 1999")
+
+
+@pytest.mark.parametrize("was_enabled", [True, False])
+def test_no_garbage_is_collected_while_the_frames_are_taken(
+    was_enabled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[bool] = []
+    frames = sys._current_frames
+
+    def current_frames() -> dict[int, FrameType]:
+        seen.append(gc.isenabled())
+        return frames()
+
+    monkeypatch.setattr(sys, "_current_frames", current_frames)
+    before = gc.isenabled()
+    (gc.enable if was_enabled else gc.disable)()
+    try:
+        assert frame_of(threading.current_thread()) is not None
+        assert gc.isenabled() is was_enabled
+    finally:
+        (gc.enable if before else gc.disable)()
+    assert seen == [False]
+
+
+def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:
+    """What is noted of these texts, written in a thread of that name, and what goes on."""
+    notes: list[tuple[str, str, str]] = []
+    other = io.StringIO()
+    output = NodeOutput(other, lambda *note: notes.append(note))
+
+    def write() -> None:
+        for text in texts:
+            output.write(text)
+
+    thread = threading.Thread(target=write, name=name)
+    thread.start()
+    thread.join()
+    return notes, other.getvalue()
+
+
+def test_whole_lines_are_noted_with_their_node() -> None:
+    notes, other = printed("one", " line", "\n", "two\nthr")
+    assert notes == [("INFO", "talker stdout", "one line"), ("INFO", "talker stdout", "two")]
+    assert other == ""
+
+
+def test_what_a_nodes_thread_prints_is_noted_and_what_the_console_prints_goes_on() -> None:
+    notes, other = printed("own\n", name="Thread-1 (work)")
+    assert (notes, other) == ([("INFO", "Thread-1 (work) stdout", "own")], "")
+    stream = io.StringIO()
+    NodeOutput(stream, lambda *_: None).write("plain\n")
+    assert stream.getvalue() == "plain\n"
+
+
+def test_on_standard_error_nothing_is_for_the_terminal() -> None:
+    stream = io.StringIO()
+    assert HarmlessOutput(stream).write("\x1b[2Jone\ttwo\n\x07three") == 18
+    assert stream.getvalue() == "\ufffd[2Jone two\n\ufffdthree"
+
+
+def test_of_a_storm_only_some_lines_are_noted_and_none_without_an_end() -> None:
+    notes, _ = printed(*(f"line {number}\n" for number in range(1000)))
+    assert 50 <= len(notes) < 1000
+    notes, _ = printed("x" * 25_000)
+    assert [len(text) for _, _, text in notes] == [10_000]
+
+
+def test_one_that_is_freed_leaves_the_other_alone() -> None:
+    other = io.StringIO()
+    out = NodeOutput(other, lambda *_: None)
+    other.close()
+    out.close()  # as Python does when it frees it

@@ -18,7 +18,7 @@ from tests.support.archo import ARCHO, FORMS
 from tests.support.console import LONG, console
 from tests.support.plain import operated
 from tests.support.script import Script
-from tests.support.shells import heard, raw, served, typed
+from tests.support.shells import guest, heard, served, typed
 from tests.support.states import STATES
 from tests.support.stub import StubRobot, stub_station
 
@@ -122,10 +122,8 @@ def test_the_request_says_which_of_several_verbs_is_meant(
 
 async def test_a_release_asks_and_what_it_answers_is_told() -> None:
     async with operated() as person:
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
-        person.type("call release_emergency_stop\n")
-        await person.until("failed: call: Release the stop?")
+        await person.enter("stop", "STOP: confirmed")
+        await person.enter("call release_emergency_stop", "failed: call: Release the stop?")
         await person.until("(add --yes to do it)")
         assert "release stop:" not in person.said
         assert await person.end("call release_emergency_stop --yes\n") == 1
@@ -199,7 +197,7 @@ def test_it_voids_what_was_typed_before_it() -> None:
 
 @pytest.mark.real_time
 async def test_from_a_shell_it_overtakes_what_waits_and_the_others_are_asked_about() -> None:
-    async with served(ros_args=LONG) as person:
+    async with served(ros_args=LONG) as person, guest() as client:
         person.type("go 12\n")
         await heard(person, "MOVING to 12")
         helped = await typed("call", "emergency_stop", "--help")
@@ -212,8 +210,6 @@ async def test_from_a_shell_it_overtakes_what_waits_and_the_others_are_asked_abo
         assert (asked.code, "add --yes to do it" in asked.err) == (2, True)
         done = await typed("call", "reset_encoder", "--yes")
         assert (done.code, done.err) == (0, "Encoder reset to zero\n")
-        client = await raw()
-        await client.line()
         client.send({"id": 1, "words": ["wait", "arrived"]})
         client.send({"id": 2, "words": ["call", "emergency_stop"]})
         ended: dict[int, str] = {}
@@ -222,7 +218,6 @@ async def test_from_a_shell_it_overtakes_what_waits_and_the_others_are_asked_abo
             if "code" in line:
                 ended[line["id"]] = line["code"]
         assert ended == {1: "aborted", 2: "done"}  # behind what waits it would find it arrived
-        client.close()
 
 
 async def test_the_dialog_lists_what_is_done_and_asks_first() -> None:

@@ -60,8 +60,11 @@ async def test_what_is_saved_under_a_name_is_there_for_the_next_console(file: Pa
     assert "failed: save_place: '5' is no name" in said
     assert "failed: save_place: a place is one goal" in said
     assert "dock: shelf 1\nfar: shelf 99\nmine: shelf 7\n" in said
-    code, said = await plain("go mine\n", robot=file, ros_args=FAST)
-    assert (code, "Arrived at shelf 7" in said) == (0, True)
+    async with operated(robot=file, ros_args=FAST) as person:
+        await person.enter("go mine", "Arrived at shelf 7")
+        path = config_file("places.yaml")
+        path.write_text(path.read_text().replace("shelf_number: 7", "shelf_number: 5"))
+        await person.enter("go mine", "Arrived at shelf 5")  # The file's, changed meanwhile.
 
 
 async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
@@ -69,13 +72,11 @@ async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
 ) -> None:
     config_file("places.yaml").unlink(missing_ok=True)
     async with operated(robot=file, ros_args=LONG) as person:
-        station = person._plain._station
+        station = person.station
         person.type("go 12 7 3\nsave_queue round\nskip\nskip\n")
         await until(lambda: "round" in station.places.lists and not station.queue.waiting)
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
-        person.type("release --yes\n")
-        await person.until("release stop: ")
+        await person.enter("stop", "STOP: confirmed")
+        await person.enter("release --yes", "release stop: ")
         person.type("go_list round 2\n")
         await until(lambda: len(station.queue.waiting) == 5)
         assert [goal.text for goal in station.queue.waiting] == ["7", "3", "12", "7", "3"]
@@ -162,17 +163,6 @@ def test_a_place_that_could_not_be_written_is_as_it_was(
     with pytest.raises(ArchoError, match="the disk is full"):
         places.save_place("a", SHELF, {"shelf_number": 7})
     assert places.find(SHELF, "a") == {"shelf_number": 1}
-
-
-async def test_a_place_that_was_changed_meanwhile_is_the_one_of_the_file(file: Path) -> None:
-    path = config_file("places.yaml")
-    path.unlink(missing_ok=True)
-    async with operated(robot=file, ros_args=FAST) as person:
-        person.type("save_place mine 7\n")
-        await person.until("place mine: saved as 7")
-        path.write_text(path.read_text().replace("shelf_number: 7", "shelf_number: 5"))
-        person.type("go mine\n")
-        await person.until("Arrived at shelf 5")
 
 
 def test_an_own_place_gives_way_to_one_of_the_robot_file(file: Path, tmp_path: Path) -> None:

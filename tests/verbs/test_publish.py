@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,24 +25,9 @@ from archo_tui.verbs.topics import Publish, frequency
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
+from tests.support.robot import hearing
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
-
-
-class Hearing(Node):
-    """Keeps what it hears on `words`."""
-
-    def __init__(self, heard: list[str], kind: Any = String, **options: Any) -> None:
-        super().__init__("hearing", **options)
-        self.heard = heard
-        self.create_subscription(kind, "words", self.on_message, 10)
-
-    def on_message(self, message: Any) -> None:
-        self.heard.append(message.data if isinstance(message, String) else message.linear.x)
-
-
-def hearing(heard: list[Any], kind: Any = String) -> Callable[..., Node]:
-    return lambda **options: Hearing(heard, kind, **options)
 
 
 @asynccontextmanager
@@ -51,23 +36,25 @@ async def publishing(
 ) -> AsyncIterator[tuple[Typed, list[Any]]]:
     """A console, and what is heard on `words`; with a line it publishes there already."""
     heard: list[Any] = []
-    async with operated(hearing(heard, kind), *makers, **options) as person:
+    read = (lambda m: m.data) if kind is String else (lambda m: m.linear.x)
+    async with operated(hearing(heard, kind, read=read), *makers, **options) as person:
         await is_seen(person)
-        robot = person._plain._station.robot
-        while line and len(heard) < 4:  # A pause of a busy machine ends it: then it begins again.
-            person.type(f"pub words {line}\n")
-            await until(lambda: robot.publications.active)
-            await until(lambda: len(heard) > 3 or not robot.publications.active)
+        if line:
+            await publish(person, heard, line)
         yield person, heard
 
 
-async def typed(person: Typed, line: str, said: str) -> None:
-    person.type(f"{line}\n")
-    await person.until(said)
+async def publish(person: Typed, heard: list[Any], line: str) -> None:
+    """Publish until some messages are heard; a pause of a busy machine ends it: then once more."""
+    publications, before = person.station.robot.publications, len(heard)
+    while len(heard) < before + 4:
+        person.type(f"pub words {line}\n")
+        await until(lambda: publications.active)
+        await until(lambda: len(heard) > before + 3 or not publications.active)
 
 
 async def is_seen(person: Typed) -> None:
-    robot = person._plain._station.robot
+    robot = person.station.robot
     await until(lambda: "/words" in {found.name for found in robot.snapshot.resources})
 
 
@@ -114,7 +101,7 @@ def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
 
 async def test_cancel_all_cancels_every_goal_also_while_something_is_published() -> None:
     async with publishing("", MotorController) as (person, heard):
-        station = person._plain._station
+        station = person.station
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         person.type("pub words data=x --rate 10 --yes\n")
         await until(lambda: len(heard) > 2)
@@ -125,20 +112,20 @@ async def test_cancel_all_cancels_every_goal_also_while_something_is_published()
 
 async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:
     async with publishing() as (person, heard):
-        await typed(person, "pub words data=no", "This may move the robot. Publish to /words")
-        await typed(person, "pub words data=one --yes", "pub words: published; 1 subscriber\n")
+        await person.enter("pub words data=no", "This may move the robot. Publish to /words")
+        await person.enter("pub words data=one --yes", "pub words: published; 1 subscriber\n")
         await until(lambda: heard == ["one"])
-        await typed(person, "pub words data=two --times 3 --rate 20 --yes", "published 3 messages")
+        await person.enter("pub words data=two --times 3 --rate 20 --yes", "published 3 messages")
         await until(lambda: heard == ["one", "two", "two", "two"])
-        await typed(person, "pub words dada=x --yes", "failed: pub: expected data=..., not dada=x")
-        await typed(person, "pub word data=x --yes", "(nearest: /words)")
-        await typed(person, "pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
-        await typed(person, "pub /_hid std_msgs/msg/String --yes", "nothing is published there")
-        await typed(person, "pub new std_msgs/msg/String --yes", "published; no subscribers")
+        await person.enter("pub words dada=x --yes", "failed: pub: expected data=..., not dada=x")
+        await person.enter("pub word data=x --yes", "(nearest: /words)")
+        await person.enter("pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
+        await person.enter("pub /_hid std_msgs/msg/String --yes", "nothing is published there")
+        await person.enter("pub new std_msgs/msg/String --yes", "published; no subscribers")
         now = (
             "this console has /new as std_msgs/msg/String now: it cannot publish std_msgs/msg/Bool"
         )
-        await typed(person, "pub new std_msgs/msg/Bool --yes", f"failed: pub: {now} there as well")
+        await person.enter("pub new std_msgs/msg/Bool --yes", f"failed: pub: {now} there as well")
         assert len(heard) == 4
 
 
@@ -159,13 +146,13 @@ async def test_subscribers_that_get_nothing_are_counted_apart() -> None:
     async with operated(Unfit) as person:
         await is_seen(person)
         one = "published; 1 subscriber; 1 of another type or QoS"
-        await typed(person, "pub words data=a --yes", one)
+        await person.enter("pub words data=a --yes", one)
 
 
 async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:
     async with publishing(at_terminal=True) as (person, heard):
-        station = person._plain._station
-        await typed(person, "pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
+        station = person.station
+        await person.enter("pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
         await until(lambda: len(heard) > 3)
         station.refresh()
         assert node_rows(station.view)[0].word()[1] == "at 10 Hz, cancel ends it"
@@ -184,36 +171,44 @@ def test_two_publications_of_one_topic_are_one_row() -> None:
     assert [(row.name, row.publishes) for row in rows] == [("pub /words", "at 10 Hz and at 2 Hz")]
 
 
-async def test_in_a_pipe_a_cancel_ends_it() -> None:
-    async with publishing("data=x --rate 10 --yes") as (person, _heard):
+async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
+    async with publishing("data=x --rate 50 --yes", MotorController) as (person, heard):
+        await person.enter("stop", "STOP: confirmed")
+        await person.until("failed: pub: ended by STOP after")
+        count, later = len(heard), seconds() + 2.0
+        await person.enter("pub words data=y --yes", "failed: pub: the robot is stopped")
+        await until(lambda: seconds() > later)
+        assert len(heard) <= count + 1
+        await person.enter("release --yes", "release stop: ")
+        await person.enter("pub words data=y --yes", "published; 1 subscriber\n")
+        await until(lambda: heard[-1] == "y")
+
+
+async def test_a_cancel_a_pause_and_the_end_of_the_console_end_it() -> None:
+    always = "data=x --rate 50 --yes"
+    async with publishing(always) as (person, heard):
+        robot = person.station.robot
         person.type("cancel\nnodes\n")
         await person.until("pub words: ended after")
         await person.until("hearing up")
         assert "pub /words" not in person.said
-
-
-async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
-    async with publishing("data=x --rate 50 --yes", MotorController) as (person, heard):
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
-        await person.until("failed: pub: ended by STOP after")
-        count, later = len(heard), seconds() + 2.0
-        await typed(person, "pub words data=y --yes", "failed: pub: the robot is stopped")
+        await publish(person, heard, always)
+        (publication,) = robot.publications.active
+        publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
+        await person.until("failed: pub: ended by a pause of the console after")
+        count, later = len(heard), seconds() + 1.0
         await until(lambda: seconds() > later)
-        assert len(heard) <= count + 1
-        await typed(person, "release --yes", "release stop: ")
-        await typed(person, "pub words data=y --yes", "published; 1 subscriber\n")
-        await until(lambda: heard[-1] == "y")
-
-
-async def test_the_end_of_the_console_ends_it() -> None:
-    async with publishing("data=x --rate 50 --yes") as (person, _heard):
-        robot = person._plain._station.robot
+        assert len(heard) == count
+        await publish(person, heard, always)
+        with robot.thread._lock:  # The signal comes while this thread hands over a request.
+            robot.end_publications_now()
+        robot.end_publications_now()  # It does not hang.
+        await until(lambda: not robot.publications.active)
+        await publish(person, heard, always)
         await robot.stop_sending_goals()
         assert robot.publications.active == ()
         await person.until("ended by the end of the console")
-        person.type("pub words data=x --yes\n")
-        await person.until("not published: the console ends")
+        await person.enter("pub words data=x --yes", "not published: the console ends")
 
 
 async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_stop(
@@ -223,8 +218,7 @@ async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_
     text = load.default_path().read_text(encoding="utf-8")
     file.write_text(f"{text}\ntopics:\n  - {{topic: words, moves: false}}\n")
     async with publishing("data=x --rate 10", MotorController, robot=file) as (person, heard):
-        person.type("stop\n")
-        await person.until("STOP: confirmed")
+        await person.enter("stop", "STOP: confirmed")
         count = len(heard)
         await until(lambda: len(heard) > count + 3)
 
@@ -235,30 +229,8 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
         person.type("cancel\n")
         await until(lambda: heard[-1] == 0.0)
         assert set(heard[:-1]) == {0.5}
-        await typed(person, "pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
+        await person.enter("pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
         await until(lambda: heard[-1] == 0.3)  # One message is meant as it is typed.
-
-
-async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
-    async with publishing("data=x --rate 50 --yes") as (person, heard):
-        (publication,) = person._plain._station.robot.publications.active
-        publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
-        await person.until("failed: pub: ended by a pause of the console after")
-        count, later = len(heard), seconds() + 1.0
-        await until(lambda: seconds() > later)
-        assert len(heard) == count
-
-
-async def test_a_suspension_in_the_middle_of_a_request_does_not_hang_the_console() -> None:
-    async with operated(hearing([])) as person:
-        await is_seen(person)
-        person.type("pub words data=x --rate 50 --yes\n")
-        robot = person._plain._station.robot
-        await until(lambda: robot.publications.active)
-        with robot.thread._lock:  # The signal comes while this thread hands over a request.
-            robot.end_publications_now()
-        robot.end_publications_now()
-        await until(lambda: not robot.publications.active)
 
 
 async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
@@ -266,7 +238,7 @@ async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
 ) -> None:
     monkeypatch.setattr(Publisher, "get_subscription_count", lambda _: 0)
     async with publishing() as (person, heard):
-        station = person._plain._station
+        station = person.station
         person.type("pub words data=x --yes\n")
         await until(lambda: station.robot.publications.active)
         await station.robot.end_publications()
@@ -276,26 +248,21 @@ async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
 
 async def test_what_the_robot_says_to_the_console_is_not_said_in_its_place() -> None:
     async with operated(BatteryMonitor) as person:
-        topics = person._plain._station.robot
+        topics = person.station.robot
         await until(lambda: "/battery_level" in {r.name for r in topics.snapshot.resources})
-        person.type("pub battery_level percentage=100 --yes\n")
-        await person.until("failed: pub: the console reads /battery_level, and /battery_monitor")
+        await person.enter(
+            "pub battery_level percentage=100 --yes",
+            "failed: pub: the console reads /battery_level, and /battery_monitor",
+        )
 
 
 async def test_a_header_gets_the_present_time_unless_one_is_typed() -> None:
-    geometry = pytest.importorskip("geometry_msgs.msg")
-    heard: list[Any] = []
-
-    class Posed(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("posed", **options)
-            self.create_subscription(geometry.PoseStamped, "words", heard.append, 10)
-
-    async with operated(Posed) as person:
+    geometry, heard = pytest.importorskip("geometry_msgs.msg"), list[Any]()
+    async with operated(hearing(heard, geometry.PoseStamped)) as person:
         await is_seen(person)
         for header in ("header.frame_id=map", "'{header: {frame_id: map}}'"):
-            await typed(person, f"pub words {header} --yes", "published; 1 subscriber\n")
-        await typed(person, "pub words header.stamp.sec=7 --times 1 --yes", "published")
+            await person.enter(f"pub words {header} --yes", "published; 1 subscriber\n")
+        await person.enter("pub words header.stamp.sec=7 --times 1 --yes", "published")
         await until(lambda: len(heard) == 3)
         assert [message.header.stamp.sec > 1000 for message in heard] == [True, True, False]
         assert heard[0].header.frame_id == "map"

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.srv import EmergencyStop
 from depot_interfaces.action import Fibonacci
 from rcl_interfaces.srv import ListParameters
 from rclpy.action import ActionServer
@@ -31,6 +30,7 @@ from tests.support.clock import NOW
 from tests.support.console import LONG, console
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
@@ -186,20 +186,17 @@ async def test_a_crash_is_an_alarm_that_is_shelved_and_a_node_that_is_started() 
         assert re.search(
             r"crashed /Crashing, since [\d:]+, shelved until [\d:]+: it is known: ", person.said
         )
-        person.type("shelve node\n")
-        await person.until("crashed /Crashing: no longer shelved\n")
-        person.type("start Crashing\n")
-        await person.until("YOU console: start /Crashing: ")
+        await person.enter("shelve node", "crashed /Crashing: no longer shelved\n")
+        await person.enter("start Crashing", "YOU console: start /Crashing: ")
 
 
 async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -> None:
     time = "[0-9:]{8}"
     async with operated() as person:
-        person.type("stop\n")
-        await person.until("alarm unacknowledged: STOPPED")
+        await person.enter("stop", "alarm unacknowledged: STOPPED")
         person.type("shelve stopped for repair\nalarms\nrelease --yes\n")
         await person.until("release stop: ")
-        station = person._plain._station
+        station = person.station
         await until(lambda: station.view.alarms[0].is_over)
         person.type("alarms\nstatus\nshelve stopped\n")
         await person.until("no longer shelved\n")
@@ -213,8 +210,7 @@ async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -
         await until(lambda: station.view.alarms and not station.view.alarms[0].is_over)
         person.type("ack\n")
         await until(lambda: station.view.alarms[0].acknowledged)
-        person.type("alarms\n")
-        await person.until(", acknowledged: STOPPED")
+        await person.enter("alarms", ", acknowledged: STOPPED")
         assert re.search(f"\nstopped, since {time}, acknowledged: STOPPED", person.said)
         person.type("release --yes\n")
         await until(lambda: not station.view.alarms)
@@ -247,8 +243,7 @@ async def silent(state: str) -> AsyncIterator[Typed]:
 async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: str) -> None:
     async with silent("battery low and moving") as person:
         await person.until("alarm unacknowledged: CONTACT LOST")
-        person.type(f"ack{words}\n")
-        await person.until(f"{done}\n")
+        await person.enter(f"ack{words}", f"{done}\n")
         person.type("ack all\nack\n")
         await person.until("failed: ack: no alarm to acknowledge")
 
@@ -277,9 +272,8 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
 async def test_a_reason_begins_where_the_alarms_name_ends(words: str, reason: str) -> None:
     async with silent("battery low and moving") as person:
         await person.until("alarm unacknowledged: CONTACT LOST")
-        person.type(f"shelve {words}\n")
-        await person.until("low battery: shelved for 10 min\n")
-        alarms = person._plain._station.view.alarms
+        await person.enter(f"shelve {words}", "low battery: shelved for 10 min\n")
+        alarms = person.station.view.alarms
         assert [alarm.reason for alarm in alarms if alarm.name == "low battery"] == [reason]
 
 
@@ -336,36 +330,21 @@ async def test_events_are_told_as_many_as_are_asked_for() -> None:
 
 async def test_the_history_has_the_last_hour_and_the_ends_of_goals() -> None:
     async with operated() as person:
-        person.type("go 12\n")
-        await person.until("ARRIVED")
+        await person.enter("go 12", "ARRIVED")
         assert await person.end("history\n") == 0
     assert re.search(r"\ncharge \(%\): now \d+\.\d\d\n", person.said)
     assert re.search(r"\nspeed \(m/s\): now 0\.00\n", person.said)
     assert re.search(r"\nshelf 12 arrived, \d\d:\d\d:\d\d\n", person.said)
 
 
-class Refusing(Node):
-    """Confirms no STOP."""
-
-    def __init__(self, **given: Any) -> None:
-        super().__init__("refusing", **given)
-        self.create_service(EmergencyStop, "emergency_stop", self._refuse)
-
-    def _refuse(self, request: Any, response: Any) -> Any:
-        response.success = False
-        return response
-
-
 async def test_a_stop_that_nobody_confirms_is_given_up_with_yes() -> None:
-    async with operated(Refusing) as person:
-        person.type("stop\n")
-        await person.until("failed: stop: REFUSED")
-        person.type("give_up_stop\n")
-        await person.until("Send it no more? (add --yes to do it)")
-        person.type("give_up_stop --yes\n")
-        await person.until("give up STOP: given up")
-        person.type("give_up_stop --yes\n")
-        await person.until("failed: give_up_stop: no STOP is waiting to be confirmed")
+    async with operated(Made(StandIn, "brake", "no")) as person:
+        await person.enter("stop", "failed: stop: REFUSED")
+        await person.enter("give_up_stop", "Send it no more? (add --yes to do it)")
+        await person.enter("give_up_stop --yes", "give up STOP: given up")
+        await person.enter(
+            "give_up_stop --yes", "failed: give_up_stop: no STOP is waiting to be confirmed"
+        )
 
 
 async def test_a_goal_of_the_file_is_sent_by_action_and_label_or_field() -> None:
@@ -382,10 +361,8 @@ async def test_a_goal_of_the_file_is_sent_by_action_and_label_or_field() -> None
 
 async def test_a_goal_behind_a_queue_that_is_held_is_said_to_wait_there() -> None:
     async with operated(ros_args=LONG) as person:
-        person.type("go 12 7\n")
-        await person.until("queue: 7\n")
-        person.type("cancel\n")
-        await person.until("queue held: 7 (cancelled)")
+        await person.enter("go 12 7", "queue: 7\n")
+        await person.enter("cancel", "queue held: 7 (cancelled)")
         person.type("go 3\ngo 5\n")
         await person.until("queue: held: 7, 5 (cancelled)\n")
         assert await person.end("cancel\n") == 1

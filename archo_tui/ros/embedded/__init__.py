@@ -42,8 +42,9 @@ def _lookup(module: str, name: str) -> Any:
     """
     homes = () if name.startswith("_") else map(importlib.import_module, _HOMES)
     for home in homes:
-        if name in vars(home):
-            return vars(home)[name]
+        # A class of an interface package is made at its first use; until then, only __all__ has it.
+        if name in vars(home) or name in vars(home).get("__all__", ()):
+            return getattr(home, name)
     frame = sys._getframe(1)
     is_import = frame.f_code.co_code[frame.f_lasti] == opcode.opmap["IMPORT_FROM"]
     raise (ImportError if is_import else AttributeError)(_absent(f"{module}.{name}"))

@@ -7,32 +7,22 @@ from typing import Any
 
 
 class CallbackGroup:
-    """The base of groups of entities that share a rule about running at the same time."""
+    """The base of groups of entities, which lets callbacks run whenever a thread is free."""
 
     def can_execute(self, entity: Any) -> bool:
         """Return True if the entity's callback may start now, without claiming the group."""
-        raise NotImplementedError
+        return True
 
     def beginning_execution(self, entity: Any) -> bool:
         """Claim the group for the entity's callback; return False if the group is taken."""
-        raise NotImplementedError
+        return True
 
     def ending_execution(self, entity: Any) -> None:
         """Release the group that `beginning_execution` claimed."""
-        raise NotImplementedError
 
 
 class ReentrantCallbackGroup(CallbackGroup):
     """A group whose callbacks run whenever a thread is free."""
-
-    def can_execute(self, entity: Any) -> bool:
-        return True
-
-    def beginning_execution(self, entity: Any) -> bool:
-        return True
-
-    def ending_execution(self, entity: Any) -> None:
-        return None
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):

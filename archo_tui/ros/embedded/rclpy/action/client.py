@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
-from rclpy import _time_source
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
@@ -205,14 +204,7 @@ class ActionClient:
 
         None means no limit, a negative timeout no wait.
         """
-        graph = self._node._graph
-        with graph.changed:
-            _time_source.wait_until(
-                graph.changed,
-                lambda: self._goal_client._destroyed or self.server_is_ready(),
-                _time_source.patience_ns(timeout_sec),
-            )
-            return self.server_is_ready()
+        return self._node._graph.wait_until(self.server_is_ready, timeout_sec)
 
     def destroy(self) -> None:
         """Leave the graph; futures that are pending stay pending."""

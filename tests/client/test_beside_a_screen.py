@@ -1,7 +1,8 @@
-"""Programs beside a screen: who is connected, what each sent, and what their STOP closes."""
+"""Programs beside a screen: what is shown of them, their STOPs, its crash, its end and restart."""
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
@@ -9,12 +10,28 @@ import threading
 
 import pytest
 
+from archo_tui.base.handover import Handover
 from archo_tui.base.paths import journal_file
 from archo_tui.client import sockets
 from archo_tui.screen.keyed_app import HELD
+from archo_tui.session.options import Options
+from archo_tui.session.session import Session
+from tests.support import chosen, clock
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
-from tests.support.shells import Said, own_socket, raw, said, typed
+from tests.support.shells import (
+    Raw,
+    Said,
+    guest,
+    heard,
+    own_socket,
+    raw,
+    reached,
+    said,
+    served,
+    typed,
+    until,
+)
 from tests.support.terminal import Terminal
 from tests.terminal.test_terminal import FAIL_ONCE, SLOW
 
@@ -123,3 +140,54 @@ def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
     terminal.until("max_speed")
     assert said("status").code == 3
     assert not sockets.socket_paths()
+
+
+def restarted() -> Handover:
+    """What a console leaves that restarts; its socket listens, and nobody reads."""
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), remote=True)
+    session = Session(options, clock.current)
+    session.start()
+    assert session.close(restarts=True) == []
+    left = session.hand_over()
+    assert left.listening is not None
+    assert os.get_inheritable(left.listening[0])
+    return left
+
+
+async def connected(left: Handover) -> Raw:
+    assert left.listening is not None
+    one = reached(left.listening[1])
+    return Raw(*await asyncio.open_unix_connection(sock=one))
+
+
+async def test_a_stop_that_is_sent_meanwhile_is_read_first_and_confirmed() -> None:
+    left = restarted()
+    one, other = await connected(left), await connected(left)
+    one.send({"id": 7, "words": ["stop"]})
+    other.send({"id": 8, "words": ["go", "3"]})
+    async with served(ros_args=FAST, handover=left) as person:
+        assert (await one.line())["name"] in left.listening[1]  # type: ignore[index]
+        assert (await one.result())["code"] == "done"
+        assert (await other.result())["code"] in ("cancelled", "refused", "held")
+        await heard(person, "STOP: confirmed")
+        one.close()
+        other.close()
+
+
+def test_a_console_that_does_not_start_again_leaves_no_socket() -> None:
+    left = restarted()
+    assert left.listening is not None
+    options = Options(engine=chosen.ENGINE, remote=True, handover=left)
+    with pytest.raises(Exception, match="max_speed"):
+        Session(options._replace(ros_args=("-p", "max_speed:=fast")), clock.current)
+    assert not os.path.exists(left.listening[1])
+
+
+async def test_who_waits_for_a_goal_is_told_what_the_restart_did_to_it() -> None:
+    async with console(*LONG, remote=True) as op, guest() as one:
+        going = asyncio.create_task(one.ask("go", "30", wait=True))
+        await until(lambda: "MOVING" in op.text)
+        op.session.station.restart("interfaces were saved")
+        result = await going
+    told = result["code"], result["text"]
+    assert told == ("cancelled", "Cancelled mid-route: the console restarts")
