@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _FOR_THE_CONSOLE = ("--yes", "--all", "--rate", "--times")  # Options among the words of a verb.
+_LOOK = 0.2  # Seconds.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _SIGNALS = signal.SIGINT, signal.SIGTERM
 
@@ -341,7 +342,10 @@ def _has_person() -> bool:
 def _ask_person(console: Connection, question: str) -> bool | None:
     """Ask at the terminal; None if the console has said that nobody is to answer any more."""
     print(question, end="", file=sys.stderr, flush=True)
-    if sys.stdin not in select.select([sys.stdin, console.socket], [], [])[0]:
+    ready: list[Any] = []
+    while not ready:  # A signal that comes just before a look ends only the next one.
+        ready = select.select([sys.stdin, console.socket], [], [], _LOOK)[0]
+    if sys.stdin not in ready:
         print(file=sys.stderr)
         return None
     return sys.stdin.readline().strip().lower() in YES_WORDS
