@@ -11,6 +11,7 @@ pytest.importorskip("depot_interfaces")
 from tests.robots.rover import Rover
 from tests.support.console import console
 from tests.support.plain import plain
+from tests.support.stand_in import Made
 
 GOAL = """version: 1
 goals:
@@ -46,17 +47,12 @@ async def test_a_form_that_does_not_fit_is_said_and_nothing_is_sent(
     here: Path, changed: str, fixed: str, line: int, said: str
 ) -> None:
     file = misfit(here, changed, fixed)
-    made: list[Rover] = []
-
-    def make(**given: object) -> Rover:
-        made.append(Rover(**given))
-        return made[-1]
-
-    code, out = await plain("go x=1 y=2\ngo x=1 y=[2]\nstatus\n", make, robot=file)
+    made = Made(Rover)
+    code, out = await plain("go x=1 y=2\ngo x=1 y=[2]\nstatus\n", made, robot=file)
     assert code == 1
     warned = [text for text in out.splitlines() if "WARN console: " in text]
     assert [text for text in warned if f"{file}:{line}: " in text and said in text], out
-    assert made[-1].heard == []
+    assert made.node.heard == []
     assert "Traceback" not in out
 
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +12,16 @@ import pytest
 pytest.importorskip("depot_interfaces")
 
 from tests.robots.rover import Rover
-from tests.support.console import Console, console
+from tests.support.console import Console, console_with
 from tests.support.plain import plain
-from tests.support.robot import making
 from tests.support.shells import raw
 
 FILE = Path(__file__).with_name("rover.yaml")
 
 
-@asynccontextmanager
-async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Console, Rover]]:
+def rover(file: Path = FILE, **options: Any) -> AbstractAsyncContextManager[tuple[Console, Rover]]:
     """The console, and the rover's node."""
-    made: list[Rover] = []
-    async with console(robot=file, node_makers=[making(made, Rover)], wait=False, **options) as op:
-        await op.until(lambda: {"go_to", "dock", "odom"} <= op.app.view.snapshot.offered)
-        yield op, made[-1]
+    return console_with(Rover, "go_to", "dock", "odom", robot=file, **options)
 
 
 @pytest.mark.waits
@@ -116,37 +110,21 @@ async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
         await op.until("undock succeeded: is_docked false")
 
 
-async def test_a_charge_below_a_number_of_the_file_is_low(tmp_path: Path) -> None:
+async def test_numbers_of_the_file_say_what_is_low_and_how_long_the_way_is(tmp_path: Path) -> None:
     file = tmp_path / "rover.yaml"
     link = "{node: bms, parameter: none_such, otherwise: 25.0}"
-    file.write_text(FILE.read_text().replace(link, "80"))
-    async with rover(file) as (op, _):
+    remaining = "remaining: {field: distance_remaining, unit: m"
+    text = FILE.read_text().replace(remaining, f"{remaining}, length: 20")
+    file.write_text(text.replace(link, "80"))
+    async with rover(file) as (op, node):
         await op.until("▲ LOW")
         await op.until("low 80")
         await op.until("LOW BATTERY")
-
-
-async def test_a_way_whose_length_the_file_says_has_its_bar(tmp_path: Path) -> None:
-    file = tmp_path / "rover.yaml"
-    remaining = "remaining: {field: distance_remaining, unit: m"
-    file.write_text(FILE.read_text().replace(remaining, f"{remaining}, length: 20"))
-    async with rover(file) as (op, node):
         node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("The battery is low, 75.0 %. Send all the same?")
+        await op.press("y")
         await op.until("m left of 20.0 m")
-
-
-async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
-    async with rover() as (op, node):
-        assert "no STOP" in op.line(" Rover ")
-        node.is_held = True
-        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
-        await op.until("m left of")
-        await op.press("ctrl+x")
-        await op.until("Rover has no STOP: use the hardware stop")
-        await op.until("this is not a STOP")
-        await op.until("✗ CANCELLED")
-        assert "STOPPED" not in op.text
 
 
 async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
@@ -153,6 +153,68 @@ class StandIn(Node):
             self.report.publish(MotorStatus(moving=self.moving, emergency_stopped=self.stopped))
         for goal in self.running if self.feeds else ():
             goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
+
+
+class Drive:
+    """An action of a node, which comes a step nearer each 0.1 s until it is there or is ended."""
+
+    def __init__(
+        self,
+        node: Node,
+        kind: Any,
+        name: str,
+        left: str = "",  # the field of its feedback
+        *,
+        way: float = 5.0,
+        step: float = 0.5,
+        accepts: Callable[[Any], object] = lambda _: True,
+        result: Callable[[str], dict[str, Any]] = lambda how: {},
+        told: Callable[[str], object] = lambda how: None,  # "" when it begins
+    ) -> None:
+        self.node, self.kind, self.field = node, kind, left
+        self.way, self.step, self.result, self.told = way, step, result, told
+        self.requests: list[Any] = []
+        self.left, self.goal, self._end = 0.0, None, Future[str]()
+        ActionServer(
+            node,
+            kind,
+            name,
+            self._execute,
+            goal_callback=lambda goal: (
+                GoalResponse.ACCEPT if accepts(goal) else GoalResponse.REJECT
+            ),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+        node.create_timer(0.1, self._step)
+
+    def end(self, how: str) -> None:
+        """End the goal that runs by "succeed", "abort" or "canceled"."""
+        if self.goal is not None and not self._end.done():
+            self._end.set_result(how)
+
+    def _step(self) -> None:
+        goal: Any = self.goal
+        if goal is None or self._end.done():
+            return
+        if goal.is_cancel_requested:
+            self.end("canceled")
+            return
+        if self.field:
+            goal.publish_feedback(self.kind.Feedback(**{self.field: self.left}))
+        self.left -= self.step
+        if self.left < 0.0:
+            self.end("succeed")
+
+    async def _execute(self, goal: Any) -> Any:
+        self.requests.append(goal.request)
+        self._end = Future(executor=self.node.executor)
+        self.left, self.goal = self.way, goal
+        self.told("")
+        how = await self._end
+        self.goal = None
+        getattr(goal, how)()
+        self.told(how)
+        return self.kind.Result(**self.result(how))
 
 
 class Other(Node):
