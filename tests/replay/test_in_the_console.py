@@ -109,17 +109,6 @@ def test_a_stop_is_sent_to_the_console_as_it_is_counted(monkeypatch: pytest.Monk
         assert console.recv(1) == STOP
 
 
-def test_a_grave_alarm_leads_back(
-    playing: Callable[..., Terminal], here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (here / "fragile.py").write_text(CRASHES)
-    terminal = playing("--node", "fragile.py")
-    (here / "crash").touch()
-    terminal.until("NODE CRASHED")
-    terminal.until("MOVING to 7")
-    terminal.until("\x07")
-
-
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_the_end_of_the_console_ends_it_and_gives_the_terminal_back(
     playing: Callable[..., Terminal], number: signal.Signals
@@ -146,7 +135,7 @@ def test_keys_typed_as_it_opens_and_behind_its_end_reach_no_robot(
     assert terminal.exit_code() == 0
 
 
-def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
+def test_a_grave_alarm_leads_back_and_a_stop_pressed_meanwhile_is_sent(
     playing: Callable[..., Terminal], here: Path
 ) -> None:
     (here / "fragile.py").write_text(CRASHES)
@@ -158,7 +147,10 @@ def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
     terminal.until(lambda: _has_pending(state, signal.SIGTERM))
     terminal.write("\x18")
     os.kill(replay, signal.SIGCONT)
+    terminal.until("NODE CRASHED")
     terminal.until("STOP: confirmed")
+    terminal.until("shelf 7 aborted")
+    assert b"\x07" in terminal.output
 
 
 def test_a_stop_pressed_as_the_console_ends_is_sent(playing: Callable[..., Terminal]) -> None:
