@@ -8,8 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -28,7 +26,7 @@ from tests.support.console import FAST
 from tests.support.plain import operated
 from tests.support.quiet import while_passes
 from tests.support.stub import StandingClock
-from tests.support.waiting import DEADLINE, Waited
+from tests.support.waiting import DEADLINE, wait_until
 
 SLOW = ("-p", "publish_period:=1.0")
 
@@ -37,8 +35,7 @@ SLOW = ("-p", "publish_period:=1.0")
 async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
     path = tmp_path / "shift"
     async with operated(ros_args=(*FAST, *SLOW), record=path) as person:
-        person.type("go 12\n")
-        await person.until("ARRIVED")
+        await person.enter("go 12", "ARRIVED")
         await while_passes(20.0)
         assert not (path / store.METADATA).exists()
     said = store.read_recording(path)
@@ -72,16 +69,12 @@ def test_a_place_that_cannot_be_is_one_line(
         ("there", "it exists already: name another bag"),
         ("nowhere/bag", "nothing can be written to "),
         ("n" * 300, "File name too long"),
+        ("", "--record .: it exists already"),  # not taken for none
     ):
-        assert cli.main([*plain, "--record", str(tmp_path / name)]) == 2
+        assert cli.main([*plain, "--record", name and str(tmp_path / name)]) == 2
         err = capsys.readouterr().err
         assert said in err
         assert err.count("\n") == 1
-
-
-def test_an_empty_path_is_not_taken_for_none(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["--record", ""]) == 2
-    assert "--record .: it exists already" in capsys.readouterr().err
 
 
 def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None:
@@ -128,7 +121,7 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
         clock.passed = float(second)
         box.receive("/said", String, serialize(String(data=str(second))))
         box.tick()
-        until(lambda: _count(path) == second + 1)  # noqa: B023
+        wait_until(lambda: _count(path) == second + 1)  # noqa: B023
     assert BagFile(path).robot == "name: ARCHO"
     box.finish()
     assert box.close(DEADLINE) == ""
@@ -148,9 +141,9 @@ def test_a_console_that_is_killed_leaves_what_was_heard_until_then(tmp_path: Pat
         while b"accepted" not in console.stdout.readline():
             pass
         before = _count(path)
-        until(lambda: _count(path) > before)
+        wait_until(lambda: _count(path) > before)
         before = _count(path)
-        until(lambda: _count(path) > before)  # and with it all that came before that second
+        wait_until(lambda: _count(path) > before)  # and with it all that came before that second
         os.kill(console.pid, signal.SIGKILL)
     assert not (path / store.METADATA).exists()
     done = subprocess.run(
@@ -182,8 +175,8 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
         box.trigger("STOP", on_written=lambda *told_so: told.append(told_so))
         for clock.passed in (0.0, 6.0):
             box.tick()
-            until(lambda: "less than 1000000000000 MB are free" in box.trouble)
-        until(lambda: told)
+            wait_until(lambda: "less than 1000000000000 MB are free" in box.trouble)
+        wait_until(lambda: told)
     assert told[0][1].startswith("less than ")
     assert (list(tmp_path.glob("shift*")), store.list_recordings(tmp_path / "r")) == ([], [])
     clock.passed = 20.0
@@ -191,15 +184,7 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     box.tick()
     clock.passed = 26.0
     box.tick()
-    until(lambda: not box.trouble)
+    wait_until(lambda: not box.trouble)
     box.finish()
     assert box.close(DEADLINE) == ""
     assert store.read_recording(path).messages == 1
-
-
-def until(holds: Callable[[], object]) -> None:
-    """Wait for another thread."""
-    waited = Waited(DEADLINE)
-    while not holds():
-        assert not waited.too_long()
-        time.sleep(0.01)

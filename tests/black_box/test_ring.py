@@ -45,13 +45,6 @@ def test_more_bytes_than_it_may_take_push_the_oldest_out() -> None:
     assert texts(ring) == [str(number).zfill(1000) for number in range(92, 100)]
 
 
-def test_one_message_that_is_too_large_alone_leaves_it_empty() -> None:
-    ring = Ring(max_bytes=10_000)
-    ring.add(heard(1, "/rosout", "x" * 20_000))
-    assert texts(ring) == []
-    assert ring.bytes == 0
-
-
 def test_the_last_of_a_topic_stands_at_the_begin_though_it_is_older() -> None:
     ring = Ring(span=60.0)
     for second, topic in ((0, "/battery_level"), (1, "/battery_level"), (2, "/rosout")):
@@ -81,16 +74,13 @@ def test_a_message_weighs_about_what_its_bytes_do() -> None:
     assert 1230 < ReceivedMessage(1, "/later", String, later).bytes < 1700
 
 
-def test_what_stands_keeps_its_time_where_nothing_else_is_kept() -> None:
+def test_one_message_that_is_too_large_alone_leaves_what_stands_with_its_time() -> None:
     ring = Ring(max_bytes=10_000)
     ring.add(heard(50, "/battery_level", "stands"))
     ring.add(heard(51, "/rosout", "x" * 20_000))
     (one,) = kept(ring)
-    assert (text_of(one), one.time) == ("stands", 50 * 10**9)
-
-
-def test_what_is_too_large_does_not_stand_on() -> None:
-    ring = Ring()
+    assert (text_of(one), one.time, ring.bytes) == ("stands", 50 * 10**9, 0)
+    ring = Ring()  # What is too large does not stand on.
     ring.add(heard(1, "/map", "x" * 2_000_000))
     ring.add(heard(100, "/rosout", "now"))
     assert texts(ring) == ["now"]
