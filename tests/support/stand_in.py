@@ -38,7 +38,8 @@ class StandIn(Node):
     """Answers STOP and its release with "yes", "no" or, until it is woken, "nothing".
 
     It serves neither of them if that is "", and goals if these "arrive", or "drive" until they are
-    cancelled. It reports its motion unless that is None, else a battery.
+    cancelled, which `ends` them so. It `decides` about a goal after as many seconds, and rejects
+    it unless it `accepts`. It reports its motion unless that is None, else a battery.
     """
 
     def __init__(
@@ -48,6 +49,8 @@ class StandIn(Node):
         *,
         release: str = "",
         goals: str = "",
+        decides: float | None = None,
+        ends: str = "canceled",
         seconds: float = 0.0,
         feeds: bool = False,
         heeds: bool = True,
@@ -59,10 +62,12 @@ class StandIn(Node):
         self.says, self.releases, self.goals = stop, release, goals
         self.seconds, self.feeds, self.heeds, self.latches = seconds, feeds, heeds, latches
         self.moving, self.stopped, self.is_silent = moving, False, False
+        self.ends, self.accepts, self._decides = ends, True, decides
         self.stops: list[float] = []  # When each was asked for, and so of the cancels.
         self.cancels: list[float] = []
         self.asked_to_release = 0
         self.running: list[Any] = []
+        self.asked: list[int] = []  # The shelves of all goals, and of those that were accepted.
         self.shelves: list[int] = []
         self.awake: Future[bool] = Future()
         self._group = group = ReentrantCallbackGroup()
@@ -80,6 +85,7 @@ class StandIn(Node):
                 "move_to_shelf",
                 self._drive,
                 callback_group=group,
+                goal_callback=self._decide,
                 cancel_callback=self._cancel,
             )
         kind, topic = (
@@ -130,6 +136,12 @@ class StandIn(Node):
         response.success, response.message = says != "no", f"{self.get_name()} {says}"
         return response
 
+    async def _decide(self, request: Any) -> GoalResponse:
+        self.asked.append(request.shelf_number)
+        if self._decides is not None:
+            await self.sleep(self._decides)
+        return GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
+
     def _cancel(self, _: Any) -> CancelResponse:
         self.cancels.append(clock.seconds())
         return CancelResponse.ACCEPT if self.heeds else CancelResponse.REJECT
@@ -143,8 +155,8 @@ class StandIn(Node):
         while not goal.is_cancel_requested:
             await self.sleep(0.1)
         self.running.remove(goal)
-        goal.canceled()
-        return MoveToShelf.Result(final_message="called back")
+        getattr(goal, self.ends)()
+        return MoveToShelf.Result(success=self.ends == "succeed", final_message="called back")
 
     def _tell(self) -> None:
         if self.moving is None:
