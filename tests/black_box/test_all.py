@@ -31,6 +31,16 @@ from tests.support.waiting import DEADLINE, wait_until
 SLOW = ("-p", "publish_period:=1.0")
 
 
+def box_to(path: Path, clock: StandingClock) -> BlackBox:
+    attached = {"robot.yaml": "name: ARCHO"}
+    folder = path.parent / "of events"
+    return BlackBox(folder, clock, lambda *_: None, lambda: attached, record_all_to=path)
+
+
+def say(box: BlackBox, text: object) -> None:
+    box.receive("/said", String, serialize(String(data=str(text))))
+
+
 @pytest.mark.waits
 async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
     path = tmp_path / "shift"
@@ -48,10 +58,10 @@ async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
 
 def test_every_ten_minutes_another_one_is_begun(tmp_path: Path) -> None:
     path, clock = tmp_path / "shift", StandingClock()
-    box = BlackBox(tmp_path, clock, lambda *_: None, lambda *_: {}, record_all_to=path)
+    box = box_to(path, clock)
     for second in range(700):
         clock.passed = float(second)
-        box.receive("/said", String, serialize(String(data=str(second))))
+        say(box, second)
         box.tick()
     box.finish()
     assert box.close(DEADLINE) == ""
@@ -103,23 +113,20 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     monkeypatch.setattr(bag.BagWriter, "flush", full)
     path = tmp_path / "disk" / "shift"
     path.parent.mkdir()
-    box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, record_all_to=path)
-    box.receive("/said", String, serialize(String(data="x")))
+    box = box_to(path, StandingClock())
+    say(box, "x")
     box.tick()
     box.finish()
     assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
     assert list(path.parent.iterdir()) == []
 
 
-def test_what_came_is_on_the_disk_within_a_second_in_each_part(
-    tmp_path: Path,
-) -> None:
+def test_what_came_is_on_the_disk_within_a_second_in_each_part(tmp_path: Path) -> None:
     path, clock = tmp_path / "shift", StandingClock()
-    attached = lambda: {"robot.yaml": "name: ARCHO"}  # noqa: E731
-    box = BlackBox(tmp_path, clock, lambda *_: None, attached, record_all_to=path)
+    box = box_to(path, clock)
     for second in range(5):
         clock.passed = float(second)
-        box.receive("/said", String, serialize(String(data=str(second))))
+        say(box, second)
         box.tick()
         wait_until(lambda: _count(path) == second + 1)  # noqa: B023
     assert BagFile(path).robot == "name: ARCHO"
@@ -168,17 +175,20 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, clock, told = tmp_path / "shift", StandingClock(), list[tuple[str, str]]()
-    box = BlackBox(tmp_path / "r", clock, lambda *_: None, lambda *_: {}, record_all_to=path)
+    box = box_to(path, clock)
     with monkeypatch.context() as patch:
         patch.setattr(store, "MIN_FREE", 10**18)
-        box.receive("/said", String, serialize(String(data="x")))
+        say(box, "x")
         box.trigger("STOP", on_written=lambda *told_so: told.append(told_so))
         for clock.passed in (0.0, 6.0):
             box.tick()
             wait_until(lambda: "less than 1000000000000 MB are free" in box.trouble)
         wait_until(lambda: told)
     assert told[0][1].startswith("less than ")
-    assert (list(tmp_path.glob("shift*")), store.list_recordings(tmp_path / "r")) == ([], [])
+    assert (list(tmp_path.glob("shift*")), store.list_recordings(tmp_path / "of events")) == (
+        [],
+        [],
+    )
     clock.passed = 20.0
     box.trigger("STOP")
     box.tick()

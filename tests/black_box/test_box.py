@@ -5,12 +5,13 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -22,12 +23,13 @@ from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
+from archo_tui import cli
 from archo_tui.base.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.store import Recording
 from archo_tui.session.options import Options
 from archo_tui.session.session import Session
-from tests.support import chosen, clock, warm
+from tests.support import chosen, clock
 from tests.support.bags import add, received, write
 from tests.support.console import FAST, LONG, console
 from tests.support.night import corners
@@ -121,18 +123,25 @@ async def test_a_crash_is_recorded() -> None:
     assert recording.name.endswith("_node_crashed_crashing")
 
 
-@pytest.mark.waits
-async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    finish, goes_on, began = bag.BagWriter.finish, threading.Event(), threading.Event()
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> tuple[threading.Event, threading.Event]:
+    """A disk that says when it has begun to end a file, and goes on when it is told."""
+    finish, began, goes_on = bag.BagWriter.finish, threading.Event(), threading.Event()
 
-    def slow(*given: Any) -> None:
+    def wait(*given: Any) -> None:
         began.set()
         assert goes_on.wait(30)
         finish(*given)
 
-    monkeypatch.setattr(bag.BagWriter, "finish", slow)
+    monkeypatch.setattr(bag.BagWriter, "finish", wait)
+    return began, goes_on
+
+
+@pytest.mark.waits
+async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
+    slow: tuple[threading.Event, threading.Event],
+) -> None:
+    began, goes_on = slow
     async with operated(*FAST) as (person, session):
         await stopped(person)
         await while_passes(6.5)
@@ -148,7 +157,7 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
 
 
 @pytest.mark.waits
-async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
+async def test_a_disk_that_takes_nothing_is_an_alarm_while_it_does_and_the_console_goes_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def full(_: int) -> None:
@@ -166,19 +175,13 @@ async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
         await outside(found, "a recording")  # the failure before it stands until then
         (recording,) = found()
         await until(lambda: not session.box.trouble)
-    assert recording.kept
-
-
-async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
-    state_file("recordings").parent.mkdir(parents=True)
-    state_file("recordings").write_text("a file where the folder would be")
-    async with operated(*FAST) as (person, session):
+        assert recording.kept
+        shutil.rmtree(state_file("recordings"))
+        state_file("recordings").write_text("a file where the folder would be")
         await stopped(person)
         await while_passes(6.5)
         await outside(lambda: session.box.failure, "what the disk says")
-        person.type("alarms\nrelease --yes\n")
-        await person.until("RECORDING NOT WRITTEN")
-        await person.until("release stop: Released")
+        await person.enter("release --yes", "release stop: Released")  # The console goes on.
     assert session.unrecorded.startswith("recording not written: ")
 
 
@@ -245,14 +248,16 @@ def test_a_process_that_is_killed_leaves_whole_recordings_or_none(tmp_path: Path
             assert reader.message_count == 300
 
 
-def archo(*words: str) -> tuple[int, str, str]:
-    done = subprocess.run(
-        warm.python("-m", "archo_tui", *words), capture_output=True, text=True, check=False
-    )
-    return done.returncode, done.stdout, done.stderr
+Archo = Callable[..., tuple[int, str, str]]
 
 
-def test_the_list_says_when_why_how_long_and_how_large() -> None:
+@pytest.fixture
+def archo(capsys: pytest.CaptureFixture[str]) -> Archo:
+    """Runs the command line; returns its exit code, what it said, and its errors."""
+    return lambda *words: (cli.main([*words]), *capsys.readouterr())
+
+
+def test_the_list_says_when_why_how_long_and_how_large(archo: Archo) -> None:
     folder = state_file("recordings")
     folder.parent.mkdir(parents=True)
     assert archo("recordings") == (0, f"no recordings in {folder}\n", "")
@@ -279,7 +284,7 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
         assert store.length_size_and_why(one) == f"   65 s  {said}  STOP"
 
 
-def test_what_cannot_be_is_one_line() -> None:
+def test_what_cannot_be_is_one_line(archo: Archo) -> None:
     state_file("recordings").parent.mkdir(parents=True)
     state_file("recordings").write_text("")
     cases = [(["recordings"], "Not a directory"), (["recordings", "--delete", "x"], "Not a ")]
@@ -293,20 +298,13 @@ def test_what_cannot_be_is_one_line() -> None:
 
 
 async def test_what_waits_for_the_disk_at_the_end_is_written_too(
-    monkeypatch: pytest.MonkeyPatch,
+    slow: tuple[threading.Event, threading.Event],
 ) -> None:
-    finish, goes_on = bag.BagWriter.finish, threading.Event()
-
-    def slow(*given: Any) -> None:
-        assert goes_on.wait(30)
-        finish(*given)
-
-    monkeypatch.setattr(bag.BagWriter, "finish", slow)
     async with operated(*FAST) as (person, session):
         session.station.recorder.keep()
         await while_passes(6.5)
         await stopped(person)  # whose seconds are not over
-        goes_on.set()
+        slow[1].set()
     assert [one.why for one in found()] == ["kept", "STOP"]
     assert session.unrecorded == ""
 

@@ -34,16 +34,10 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-async def test_the_story_is_told_line_by_line() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("MOVING to 12")
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        path = await written(op)
-    bag_file = BagFile(path)
+async def test_the_story_is_told_line_by_line(drive: Path) -> None:
+    bag_file = BagFile(drive)
     head, *told = report_lines(bag_file, load_robot_file(bag_file, ""))
-    assert head.startswith(f"{path.name}: ARCHO, 2023-11-14 22:13:20, ")
+    assert head.startswith(f"{drive.name}: ARCHO, 2023-11-14 22:13:20, ")
     said = [line.partition("  ")[2] for line in told]
     for wanted in (
         "YOU console: go to shelf 12: accepted",
