@@ -188,11 +188,11 @@ def test_names_without_a_package_are_of_the_message_around_them(tmp_path: Path) 
         f"MSG: depot_interfaces/Vector\nfloat64 x\nfloat64 y\nfloat64 z\n{rule}\n"
         "MSG: depot_interfaces/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w 1.0\n"
     )
-    logs(tmp_path / "a.mcap", schema(2, "depot_interfaces/msg/PoseStamped", given))
-    with open(tmp_path / "a.mcap", "r+b") as file:
-        file.seek(-13, os.SEEK_END)
-        file.write(channel(2, 2, "/pose"))
-    assert BagFile(tmp_path / "a.mcap").types["/pose"] == "depot_interfaces/msg/PoseStamped"
+    posed = schema(2, "depot_interfaces/msg/PoseStamped", given) + channel(2, 2, "/pose")
+    assert (
+        BagFile(logs(tmp_path / "a.mcap", posed)).types["/pose"]
+        == "depot_interfaces/msg/PoseStamped"
+    )
 
 
 @pytest.mark.parametrize(

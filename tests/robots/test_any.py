@@ -62,24 +62,6 @@ async def test_fibonacci_is_sent_followed_and_cancelled_in_six_keys_beside_its_v
         assert len(op.app.view.snapshot.history) == 2
 
 
-async def test_a_service_with_nested_messages_and_arrays_is_called() -> None:
-    async with counting() as (op, node):
-        await form(op, "C", *"plan", "enter")
-        await op.press(*"1", "enter")
-        for _ in range(6):
-            await op.press("enter")
-        typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
-        for number, field in enumerate(op.app.screen._message_fields):  # type: ignore[attr-defined]
-            if field.path in typed:
-                op.app.screen._fields[number].value = typed[field.path]  # type: ignore[attr-defined]
-        await op.press("ctrl+s")
-        await op.until("legs 2, route by the wall")
-        request = node.planned[0]
-        assert (request.start.position.x, request.start.orientation.w) == (1.0, 1.0)
-        assert [(point.x, point.y) for point in request.waypoints] == [(1.0, 0.0), (0.0, 2.0)]
-        assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
-
-
 async def test_what_is_typed_into_the_form_of_a_service_is_called_or_said() -> None:
     async with counting() as (op, node):
         await form(op, "C", *"plan", "enter")
@@ -111,6 +93,14 @@ async def test_what_is_typed_into_the_form_of_a_service_is_called_or_said() -> N
             await op.press("ctrl+s")
             await op.until(said)
         assert len(node.planned) == 1
+        typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
+        for path, text in typed.items():
+            screen._fields[places[path]].value = text
+        await op.press("ctrl+s")
+        await op.until("legs 2, route by the wall")
+        request = node.planned[1]
+        assert [(point.x, point.y) for point in request.waypoints] == [(1.0, 0.0), (0.0, 2.0)]
+        assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
 
 
 async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
@@ -172,19 +162,11 @@ async def test_defaults_and_values_of_every_type_are_sent_and_received_unaltered
 WRONG = [
     ("sample: {i32: 3000000000}", "sample.i32: 3000000000 is not within -2147483648 .. "),
     ("sample: {u8s: [1]}", "sample.u8s: [1] has 1 elements, not 4"),
-    ("sample: {i8: 300}", "sample.i8: 300 is not within -128 .. 127"),
-    ("sample: {f32: 1.0e+39}", "sample.f32: 1.0e+39 is not within -3.402823466e+38 .. "),
-    ("sample: {short_text: abcdefghijkl}", "sample.short_text: abcdefghijkl has 12 char"),
     ("sample: {flags: [yes]}", 'sample.flags[0]: "yes" is not true or false'),
     ("sample: {i32: 1:30}", 'sample.i32: "1:30" is not a whole number'),
-    ("sample: {i32: 1_0}", 'sample.i32: "1_0" is not a whole number'),
-    ("sample: {i32: 1, i32: 2}", "line 1: i32 is given twice"),
     ("sample:\n  <<: {i32: 1}", "there is no field sample.<<"),
     ("sample: &a [*a]", "line 1: aliases (*a) are not read: write it out"),
     ("[" * 9000, "line 1: nested more than 20 deep"),
-    ("sample: {i32: !!int x}", "line 1: not of the kind !!int: x"),
-    (f"sample: {{i32: {'9' * 5000}}}", "line 1: a number of 5000 digits"),
-    ("sample: {f64: 1e999}", "line 1: too large for a number: 1e999"),
 ]
 
 

@@ -78,7 +78,7 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field_beside_what_was_r
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
-async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None:
+async def test_what_is_typed_into_the_fields_of_a_goal_or_as_its_key_is_sent_or_said() -> None:
     async with rover() as (op, node):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
         await op.until("yaw: at most 360, not 400")
@@ -98,11 +98,9 @@ async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None
         assert op.app.main.goal.fields[0].value == "99"
         target = node.heard[1].pose.position
         assert (target.x, target.y) == (123456789.5, 2.0)
-
-
-async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
-    async with rover() as (op, node):
-        await op.press("D")
+        node.is_held = False
+        await op.until("✓ ARRIVED")
+        await op.press("escape", "escape", "D")  # It docks and undocks by keys of its file.
         await op.until("is_docked true")
         await op.until("CHARGING")
         assert node.docked
