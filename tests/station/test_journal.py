@@ -137,59 +137,47 @@ def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
     assert sum(e.get("lost_before", 0) for e in entries(tmp_path / "journal.jsonl")) >= 1900
 
 
-async def test_commands_alarms_and_warnings_of_a_session_are_in_it(unlimited: Path) -> None:
-    async with operated(robot=unlimited, ros_args=FAST) as person:
-        await person.enter("reset\ngo 99", "failed: go: shelf 99")
-        await person.enter("stop", "alarm unacknowledged: STOPPED")
-        await person.enter("ack", "acknowledged: stopped")
-    found = entries(journal_file())
-    said = [(e["kind"], e.get("text", "")) for e in found]
-    assert ("command", "reset encoder: Encoder reset to zero") in said
-    assert ("command", "go to shelf 99: shelf 99 is not in 1 .. 40") in said
-    assert ("event", "Goal refused: shelf 99 is not in 1 .. 40") in said
-    states = [e["state"] for e in found if e["kind"] == "alarm" and e["name"] == "stopped"]
-    assert states == ["unacknowledged", "acknowledged"]
-    commands = [e["command"] for e in found if e["kind"] == "command"]
-    assert commands[0].startswith("ros2 service call /reset_encoder ")
-
-
-async def test_what_was_done_and_how_goals_ended_is_there_for_programs_too(unlimited: Path) -> None:
-    async with console(*LONG, robot=unlimited) as op:
-        robot = op.app.station.robot
-        await op.press("g", "9", "9", "enter")
-        await op.until("✗ REFUSED")
-        await op.press("escape", "c")
-        await op.until("✓  charge")
-        await op.press("c")
-        await op.until("discharge: ")
-        await op.press("g", "9", "enter")
-        await op.until("m left of")
-        await op.press("escape", "ctrl+c")
-        await op.until("✗ CANCELLED")
-        await op.press("g", "7", "enter")
-        await op.until("m left of")
-        await op.press("escape", "ctrl+x")
-        await op.until("✗ ABORTED")
+async def test_commands_alarms_warnings_and_the_ends_of_goals_are_in_it(unlimited: Path) -> None:
+    async with operated(robot=unlimited, ros_args=LONG) as person:
+        for line, said in (
+            ("reset\ngo 99", "failed: go: shelf 99"),
+            ("charge", "charge: "),
+            ("discharge", "discharge: "),
+            ("go 9", "goal MOVING to 9"),
+            ("cancel", "goal CANCELLED"),
+            ("go 7", "goal MOVING to 7"),
+            ("stop", "alarm unacknowledged: STOPPED"),
+            ("ack", "acknowledged: stopped"),
+        ):
+            await person.enter(line, said)
+        await person.until("goal ABORTED")
+        robot: Any = person.station.robot
         assert (await ended(robot.release_emergency_stop())).ok
         assert not (await ended(robot.cancel_all())).ok
         assert (await ended(robot.call("/reset_encoder", RESET, {}))).ok
         other = replace(SHELF, title="other")  # as it is made without a robot file
         assert not (await ended(robot.send(other, {"shelf_number": 41}))).ok
         assert (await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))).ok
-        robot.note(
-            "YOU",
-            "console",
-            "saved",
-            audit_record=AuditRecord("save", {"path": "a.yaml"}, Code.DONE),
-        )
-        await op.until("saved")
-    found = [entry for entry in entries(journal_file()) if "verb" in entry]
+        record = AuditRecord("save", {"path": "a.yaml"}, Code.DONE)
+        robot.note("YOU", "console", "saved", audit_record=record)
+        await person.until("saved")
+    every = entries(journal_file())
+    said_there = [(e["kind"], e.get("text", "")) for e in every]
+    assert ("command", "reset encoder: Encoder reset to zero") in said_there
+    assert ("command", "go to shelf 99: shelf 99 is not in 1 .. 40") in said_there
+    assert ("event", "Goal refused: shelf 99 is not in 1 .. 40") in said_there
+    states = [e["state"] for e in every if e["kind"] == "alarm" and e["name"] == "stopped"]
+    assert states[:2] == ["unacknowledged", "acknowledged"]
+    lines = [e["command"] for e in every if "command" in e]
+    assert lines[0].startswith("ros2 service call /reset_encoder ")
+    found = [entry for entry in every if "verb" in entry]
     commands, goals = (
         [(e["verb"], e["arguments"], e["code"]) for e in found if e["kind"] == kind]
         for kind in ("command", "goal")
     )
     max_speed = {"node": "/motor_controller", "values": {"max_speed": 0.5}}
     assert commands == [
+        ("reset", {}, "done"),
         ("go", {"shelf_number": 99}, "refused"),
         ("charge", {}, "done"),
         ("discharge", {}, "done"),

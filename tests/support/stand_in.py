@@ -186,7 +186,8 @@ class Drive:
         self.node, self.kind, self.field = node, kind, left
         self.way, self.step, self.result, self.told = way, step, result, told
         self.requests: list[Any] = []
-        self.left, self.goal, self._end = 0.0, None, Future[str]()
+        self.left, self.goal = 0.0, None
+        self._end: Any = None
         ActionServer(
             node,
             kind,
