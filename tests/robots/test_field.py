@@ -64,7 +64,9 @@ async def test_a_part_that_fails_is_an_alarm_and_enter_lists_all_parts() -> None
 
 
 @pytest.mark.waits
-async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_silent_part_grows_older_is_acknowledged_and_forgotten_by_keys(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     for module in ("archo_tui.robot.state.readings", "archo_tui.verbs.show"):
         monkeypatch.setattr(f"{module}.FORGET_AFTER", 12.0)
     async with field() as (op, node):
@@ -80,11 +82,7 @@ async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.Mo
         assert "forget a silent part" not in op.text
         await op.press("escape", "escape")
         await op.until("diagnostics: motor (left) was forgotten")
-
-
-@pytest.mark.waits
-async def test_a_silent_part_grows_older_and_is_acknowledged_as_it_is_read() -> None:
-    async with field() as (op, node):
+        await op.press("a")  # its alarm is over
         node.parts["base:  fan"] = (DiagnosticStatus.WARN, "slow")
         await op.until("WARN base:")
         station = op.session.station
