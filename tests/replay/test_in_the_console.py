@@ -147,10 +147,9 @@ def test_a_grave_alarm_leads_back_and_a_stop_pressed_meanwhile_is_sent(
     terminal.until(lambda: _has_pending(state, signal.SIGTERM))
     terminal.write("\x18")
     os.kill(replay, signal.SIGCONT)
-    terminal.until("NODE CRASHED")
     terminal.until("STOP: confirmed")
-    terminal.until("shelf 7 aborted")
-    assert b"\x07" in terminal.output
+    terminal.until("NODE CRASHED")
+    terminal.until("\x07")
 
 
 def test_a_stop_pressed_as_the_console_ends_is_sent(playing: Callable[..., Terminal]) -> None:
