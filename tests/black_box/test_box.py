@@ -94,7 +94,7 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
 
 
 @pytest.mark.waits
-async def test_a_cancel_is_nothing_to_record_and_what_follows_a_stop_is_in_its_recording() -> None:
+async def test_no_cancel_is_recorded_and_what_follows_a_stop_is_with_it() -> None:
     async with operated(*LONG) as (person, session):
         await person.enter("go 12", "goal MOVING to 12")
         await person.enter("cancel", "CANCELLED")
@@ -157,7 +157,7 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
 
 
 @pytest.mark.waits
-async def test_a_disk_that_takes_nothing_is_an_alarm_while_it_does_and_the_console_goes_on(
+async def test_a_disk_that_takes_nothing_is_an_alarm_and_ends_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def full(_: int) -> None:

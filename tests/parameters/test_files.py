@@ -100,7 +100,7 @@ def motor(here: Path) -> Path:
     return file
 
 
-async def test_a_node_of_ones_own_has_its_own_values_and_in_archos_place_that_is_said(
+async def test_a_node_in_archos_place_has_its_own_values_which_is_said(
     motor: Path,
 ) -> None:
     async with operated(node_files=[motor], only=True) as person:
@@ -148,7 +148,7 @@ class Sign(Node):
 """
 
 
-async def test_a_newline_in_a_value_or_a_log_line_begins_no_line_of_its_own(here: Path) -> None:
+async def test_a_newline_in_a_value_or_a_log_line_begins_no_line(here: Path) -> None:
     file = here / "sign.py"
     file.write_text(SIGN)
     loads = here / "other.yaml"

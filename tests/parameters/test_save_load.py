@@ -152,7 +152,7 @@ def test_a_file_that_would_hang_or_exhaust_is_one_line(tmp_path: Path) -> None:
         assert str(caught.value).startswith(f"{path}{said}")
 
 
-def test_a_link_stays_and_its_file_is_written_and_a_new_one_as_the_umask_leaves_it(
+def test_a_link_stays_and_a_new_file_is_as_the_umask_leaves_it(
     tmp_path: Path,
 ) -> None:
     (tmp_path / "there").mkdir()

@@ -396,7 +396,7 @@ def test_a_robot_file_that_is_damaged_or_large_is_left_out(tmp_path: Path) -> No
     assert found.faults == ["recording_0.mcap: robot.yaml is left out: larger than 1 MB"]
 
 
-def test_more_messages_than_are_held_or_read_at_a_time_are_left_out_or_parted(
+def test_more_messages_than_are_held_at_a_time_are_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = written(tmp_path / "a.mcap", drive(), chunk_size=500)

@@ -97,6 +97,8 @@ def test_stop_is_for_the_robot_and_leads_back(playing: Callable[..., Terminal]) 
     terminal.resize(40, 10)
     terminal.until(lambda: "^x STOP" in terminal.text)  # Of the live robot, at any size.
     terminal.write("\x18")
+    terminal.until("✗ STOPPED")
+    terminal.resize(120, 36)  # There is room for what was said meanwhile.
     terminal.until("STOP: confirmed")
     terminal.until("shelf 7 aborted")
 

@@ -78,7 +78,7 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field_beside_what_was_r
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
-async def test_what_is_typed_into_the_fields_of_a_goal_or_as_its_key_is_sent_or_said() -> None:
+async def test_what_is_typed_into_fields_or_as_a_key_is_sent_or_said() -> None:
     async with rover() as (op, node):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
         await op.until("yaw: at most 360, not 400")
