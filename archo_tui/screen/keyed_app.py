@@ -100,6 +100,7 @@ class KeyedApp(Desk):
                 return
             if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
                 return  # From when the terminal was larger: outside it would only take the focus.
+        if isinstance(event, (events.MouseEvent, events.Key)) and not event.is_forwarded:
             await asyncio.sleep(0)  # Even in a flood others get their turn, STOP above all.
         kinds = events.Key, events.Paste, events.MouseDown, events.MouseUp
         if event.is_forwarded or not isinstance(event, kinds):

@@ -19,7 +19,7 @@ import termios
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -278,7 +278,20 @@ class SteadyDriver(LinuxDriver):
                 else:
                     self._empty_at = began + wait
                     messages = keyboard.on_silence(time.monotonic())
-                dispatch(messages, app, self._on_stop_key, self.process_message, began_at)
+                others: list[Message] = []
+                dispatch(messages, app, self._on_stop_key, others.append, began_at)
+                self._call_on_loop(partial(self._process_all, others))
+
+    def _process_all(self, messages: Iterable[Message]) -> None:
+        """Pass on messages in one step of the loop.
+
+        Each step begun from another thread may wait for a busy loop, and a STOP behind them.
+        """
+        for message in messages:
+            self.process_message(message)
+
+    def send_message(self, message: Message) -> None:
+        self._app.post_message(message)  # Textual's own begins a task for each message.
 
     def _on_stop_key(self, message: Message) -> None:
         self._call_on_loop(partial(self._console.stop_typed, message))
