@@ -9,9 +9,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.screen.commands.base import asking_first
 from archo_tui.verbs.verb import GOAL_ENDED, Question
-from tests.support.console import screen_text
+from tests.support.front import front
 from tests.support.states import NORMAL, goal
-from tests.support.stub import stub_app
 
 
 async def test_an_answer_is_for_the_values_and_the_goal_that_were_asked_about() -> None:
@@ -39,14 +38,10 @@ async def test_an_answer_is_for_the_values_and_the_goal_that_were_asked_about() 
 
 
 async def test_a_yes_about_a_goal_that_has_just_ended_is_none() -> None:
-    app, told = stub_app(goal(Phase.MOVING)), list[str]()
-    robot: Any = app.station.robot
-    robot.command = lambda *_: told.append("reset")
-    async with app.run_test(size=(120, 36)) as pilot:
-        await pilot.press("escape", "r")
-        assert "Reset encoder now?" in screen_text(app)
-        robot.snapshot = NORMAL  # Nothing was drawn since.
-        await pilot.press("y")
-        await pilot.pause()
-        assert f"Reset encoder: {GOAL_ENDED}" in screen_text(app)
+    told: list[str] = []
+    async with front(goal(Phase.MOVING)) as it:
+        it.robot.command = lambda *_: told.append("reset")
+        assert "Reset encoder now?" in await it.press("escape", "r")
+        it.robot.snapshot = NORMAL  # Nothing was drawn since.
+        assert f"Reset encoder: {GOAL_ENDED}" in await it.press("y")
         assert told == []

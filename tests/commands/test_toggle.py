@@ -11,6 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from tests.support.console import Console, console
+from tests.support.stand_in import Made
 
 FILE = """
 name: Lamp
@@ -38,16 +39,11 @@ class Lamp(Node):
 async def lamp(
     folder: Path, ask: str = "never", reading: str = "battery.charging"
 ) -> AsyncIterator[tuple[Console, Lamp]]:
-    file, made = folder / "lamp.yaml", list[Lamp]()
+    file, made = folder / "lamp.yaml", Made(Lamp)
     file.write_text(FILE.replace("ASK", ask).replace("battery.charging", reading))
-
-    def make(**given: Any) -> Lamp:
-        made.append(Lamp(**given))
-        return made[-1]
-
-    async with console(robot=file, node_makers=[make], wait=False) as op:
+    async with console(robot=file, node_makers=[made], wait=False) as op:
         await op.until(lambda: "light" in op.app.view.snapshot.offered)
-        yield op, made[0]
+        yield op, made.node
 
 
 async def test_it_is_asked_on_or_off_and_the_safe_answer_changes_nothing(here: Path) -> None:
@@ -63,19 +59,13 @@ async def test_it_is_asked_on_or_off_and_the_safe_answer_changes_nothing(here: P
             await op.until(lambda: op.app.screen is op.app.main)
 
 
-async def test_a_toggle_of_no_reading_asks_each_time(here: Path) -> None:
-    async with lamp(here, reading="ask") as (op, node):
+async def test_a_toggle_of_no_reading_asks_each_time_and_what_the_command_asks_behind_it(
+    here: Path,
+) -> None:
+    async with lamp(here, "always", reading="ask") as (op, node):
         await op.press("l")
         await op.until("Light or Light off?")
         assert "does not report" not in op.text
-        await op.press("right", "enter")
-        await op.until(lambda: node.asked == [True])
-
-
-async def test_what_the_command_asks_is_asked_behind_it(here: Path) -> None:
-    async with lamp(here, "always") as (op, node):
-        await op.press("l")
-        await op.until("Light or Light off?")
         await op.press("right", "right", "enter")
         await op.until("Light off now?")
         assert node.asked == []

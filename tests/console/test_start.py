@@ -5,25 +5,10 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.screen.widgets.field import Field
-from tests.support.console import (
-    FAST,
-    LONG,
-    PANEL_KEYS,
-    console,
-    focused_panel,
-    screen_text,
-    send,
-)
-from tests.support.quiet import Quiet
+from tests.support.console import FAST, LONG, PANEL_KEYS, console
+from tests.support.front import front
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, stub_app
-
-
-async def test_at_the_start_a_number_and_enter_drive() -> None:
-    async with console(*FAST, in_field=True) as op:
-        assert isinstance(op.app.focused, Field)
-        await op.press("1", "2", "enter")
-        await op.until("12 arrived")
 
 
 async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> None:
@@ -41,11 +26,14 @@ async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> 
         await op.until("STOPPED")
 
 
-async def test_an_early_enter_sends_nothing_and_escape_leads_to_the_panels() -> None:
+async def test_at_the_start_a_number_and_enter_drive_and_enter_alone_does_not() -> None:
     async with console(*FAST, in_field=True) as op:
+        assert isinstance(op.app.focused, Field)
         await op.press("enter", "enter")
         assert op.app.view.snapshot.goal is None
         assert len(op.app.screen_stack) == 1
+        await op.press("1", "2", "enter")
+        await op.until("12 arrived")
 
         await op.press("escape")
         assert op.focused_panel == 4
@@ -56,23 +44,17 @@ async def test_an_early_enter_sends_nothing_and_escape_leads_to_the_panels() -> 
 
 @pytest.mark.parametrize("size", [(79, 40), (50, 15), (120, 19)])
 async def test_a_field_out_of_sight_does_not_have_the_focus(size: tuple[int, int]) -> None:
-    app = stub_app(NORMAL, StandingClock(), size=size, in_field=True)
-    async with app.run_test(size=size):
-        assert not isinstance(app.focused, Field)
-        assert focused_panel(app) == 4
+    async with front(NORMAL, StandingClock(), size=size, in_field=True) as it:
+        assert not isinstance(it.app.focused, Field)
+        assert it.focused_panel == 4
 
 
 async def test_typing_in_a_field_that_went_out_of_sight_shows_it() -> None:
-    app = stub_app(NORMAL, StandingClock(), size=(120, 36), in_field=True)
-    async with app.run_test(size=(120, 36)) as pilot:
-        quiet = Quiet(app)
-        await pilot.resize_terminal(50, 12)
-        await quiet.settle()
-        assert "Go to shelf" not in screen_text(app)
-        send(app, "7")
-        await quiet.settle()
-        assert "Shelf 7" in screen_text(app)
-        assert "STOP" in screen_text(app)
+    async with front(NORMAL, StandingClock(), in_field=True) as it:
+        assert "Go to shelf" not in await it.resize(50, 12)
+        shown = await it.press("7")
+        assert "Shelf 7" in shown
+        assert "STOP" in shown
 
 
 async def test_a_console_that_watches_starts_in_a_list() -> None:

@@ -31,7 +31,7 @@ _KEYS = sorted(
     | {"right", "pageup", "pagedown", "home", "end", "backspace", "delete", "ctrl+home", "ctrl+end"}
 )  # fmt: skip
 _LEAVING = {"ctrl+q", "q", "ctrl+z"}  # end the walk
-_EACH = 100  # keys between two looks at the invariants
+_EACH = 50  # keys between two looks at the invariants
 _PASTES = ("12", "a\nb", "\x1b[31m", "9" * 300, "x: [", "  7 ")
 _SIZES = ((80, 24), (120, 36), (160, 48), (79, 23), (200, 60), (40, 10), (20, 5), (1, 1))
 _SIZE = Size(100, 30)
@@ -107,7 +107,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_a_walk_of_keys_at_random() -> None:
-    await walk(seed=7, keys=200)
+    await walk(seed=7, keys=100)
 
 
 @pytest.mark.night

@@ -281,7 +281,7 @@ def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     far = "-p", "route_length:=1000.0"
-    terminal = Terminal(*SLOW, *far, code=FAILS_AND_WAITS, fresh=True)
+    terminal = Terminal(*SLOW, *far, code=FAILS_AND_WAITS)
     terminals.append(terminal)
     terminal.until("max_speed")
     terminal.write("g12\r")
@@ -531,7 +531,7 @@ def test_a_stop_typed_behind_the_third_failure_is_sent(
     terminals: list[Terminal], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    terminal = Terminal(code=FAIL_ALWAYS + GIVES_UP_LATER, fresh=True)
+    terminal = Terminal(code=FAIL_ALWAYS + GIVES_UP_LATER)
     terminals.append(terminal)
     terminal.until((tmp_path / "waits").exists)
     terminal.write("\x18")
