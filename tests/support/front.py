@@ -31,6 +31,10 @@ class Front:
         await self._quiet.settle()
         return self.text
 
+    async def until(self, holds: Callable[[], object]) -> None:
+        """Wait until it holds."""
+        await self._quiet.until(holds, lambda: self.text)
+
     async def press(self, *keys: str) -> str:
         """Press keys one after the other."""
         for key in keys:
