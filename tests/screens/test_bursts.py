@@ -33,6 +33,7 @@ from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station import save_load
 from tests.support.clock import NOW
 from tests.support.console import key_event
+from tests.support.front import reset_main
 from tests.support.quiet import Quiet
 from tests.support.states import ARRIVED, STATES
 from tests.support.stub import StandingClock, StubRobot, sized, stub_station
@@ -127,28 +128,12 @@ class Desk:
                 break
             await self.press([[key_event("escape")]], None)
         assert app.screen is main, app.screen
-        main.leave_full()
-        for panel in (main.parameters, main.events):
-            panel.search.close()
-        while main.events._level != "WARN":
-            main.events.next_level()
-        if main.parameters._only_changed:
-            main.parameters.toggle_changed()
-        if main.parameters._shows_all:
-            main.parameters.toggle_hidden()
-        for rows in main.query(Rows).results():
-            rows.cursor, rows.shows_cursor = 0, False
-        main.goal.fields[0].clear()
-        main.goal.typed, main.goal._typed_index = [], 0
-        main.focus_panel(4)
-        main.parameters.rows.shows_cursor = False
-        main._focused_before = None
+        reset_main(main)
         app._leaves = False
         app.typed.clear()
         app.theme = "textual-dark"
         app.station.goals.queue = GoalQueue()
         app.station.edits.__init__()  # type: ignore[misc]
-        app.clear_notifications()
         app.clear_selection()
         self.robot.put(self._snapshot)
         self.robot.asked.clear()

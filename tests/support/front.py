@@ -12,10 +12,33 @@ from textual.strip import Strip
 from archo_tui.base.clock import Clock
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.main import MainScreen
+from archo_tui.screen.widgets.rows import Rows
 from tests.support.console import click, focused_panel, screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
 from tests.support.stub import stub_app
+
+
+def reset_main(main: MainScreen) -> None:
+    """Bring the main screen back to what it was at first; somebody has left the goal's field."""
+    main.leave_full()
+    for panel in (main.parameters, main.events):
+        panel.search.close()
+    while main.events._level != "WARN":
+        main.events.next_level()
+    if main.parameters._only_changed:
+        main.parameters.toggle_changed()
+    if main.parameters._shows_all:
+        main.parameters.toggle_hidden()
+    for rows in main.query(Rows).results():
+        rows.cursor, rows.shows_cursor = 0, False
+    main.goal.fields[0].clear()
+    main.goal.typed, main.goal._typed_index = [], 0
+    main.focus_panel(4)
+    main.parameters.rows.shows_cursor = False
+    main._focused_before = None
+    main.app.clear_notifications()
 
 
 class Front:
