@@ -85,14 +85,6 @@ async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_
         await op.until("Theme nord")
 
 
-async def test_letters_are_commands_again_behind_enter() -> None:
-    async with console(*LONG) as op:
-        op.send("g", *"12", "enter", "c")
-        await op.until("MOVING to 12")
-        await op.until("✓  charge")
-        assert op.app.query_one("#goal-0", Input).value == ""
-
-
 async def test_keys_of_dialogs_are_for_them_alone() -> None:
     async with console(*FAST) as op:
         await op.press("4", "full_stop", "ctrl+end", "enter")
@@ -166,19 +158,24 @@ async def test_keys_of_dialogs_are_for_them_alone() -> None:
         assert op.app.station.restart_blocker == ""
 
 
-async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+async def test_a_dialog_that_is_done_goes_behind_help_and_saves_before_the_end(here: Path) -> None:
+    file = here / "archo_params.yaml"
     async with console(*FAST) as op:
         await op.press("4", "ctrl+s")
         await op.until("ROS parameter file")
         op.send("enter", "f1")
-        await op.until(lambda: (tmp_path / "archo_params.yaml").exists())
+        await op.until(file.exists)
         await op.settle()
         assert "Keys" in op.text
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
+
+        file.unlink()
+        await op.press("4", "ctrl+s")
+        await op.until("ROS parameter file")
+        op.send("enter", "ctrl+q")
+        await op.until(lambda: not op.app.is_running)
+    assert file.exists()
 
 
 async def test_help_lists_every_command_with_its_key() -> None:
@@ -315,14 +312,17 @@ async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_
         await op.until("use the hardware stop")
 
 
-async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:
+async def test_help_begins_with_the_state_and_the_field_and_letters_act_behind_enter() -> None:
     async with console(*LONG) as op:
         await op.press("g", "question_mark")
         field = [op.text.index(word) for word in ("Here, in Go to shelf", "Recent goals", "Leave")]
         assert field == sorted(field)
         assert field[-1] < op.text.index("Everywhere")
-        await op.press("escape", *"12 7", "enter")
+        await op.press("escape")
+        op.send(*"12 7", "enter", "c")
         await op.until("MOVING to 12")
+        await op.until("✓  charge")
+        assert op.app.query_one("#goal-0", Input).value == ""
         await op.press("ctrl+x")
         await op.until("held: 7")
         await op.press("question_mark")

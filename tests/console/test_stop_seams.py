@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import AbstractAsyncContextManager
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -143,15 +142,6 @@ async def test_a_letter_behind_a_refused_enter_is_text() -> None:
             assert it.main.goal.fields[0].value == f"1x{behind}"
             assert not it.asked
             assert not it.ended
-
-
-async def test_a_file_that_was_asked_for_is_saved_before_the_end(here: Path) -> None:
-    async with console(*FAST) as op:
-        await op.press("4", "ctrl+s")
-        await op.until("ROS parameter file")
-        op.send("enter", "ctrl+q")
-        await op.until(lambda: not op.app.is_running)
-    assert (here / "archo_params.yaml").exists()
 
 
 async def test_a_stop_pressed_again_behind_anothers_release_is_sent() -> None:

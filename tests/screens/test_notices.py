@@ -32,18 +32,9 @@ async def test_a_refusal_is_seen_for_8_s_or_until_its_cause_ends() -> None:
         op.app.action_command("release")
         await op.settle()
         assert row_of(op, "not stopped") == 1
-        await op.press("ctrl+x")
+        await op.press("u", "ctrl+x")
         await op.until("STOPPED: look for the cause")
         await op.until(lambda: "not stopped" not in op.text)
-
-
-async def test_a_notice_makes_room_for_an_alarm() -> None:
-    async with console(*FAST) as op:
-        await op.press("u")
-        assert row_of(op, "nothing to undo") == 1
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        await op.settle()
         assert row_of(op, "STOPPED: look for the cause") == 1
         assert row_of(op, "nothing to undo") == 2
 
@@ -77,7 +68,7 @@ async def test_a_notice_covers_nothing_of_a_question() -> None:
             await op.press("escape")
 
 
-async def test_a_notice_is_not_over_the_stop_button() -> None:
+async def test_a_notice_is_not_over_the_stop_button_which_is_pressed_through_it() -> None:
     async with console(*FAST, size=(40, 10)) as op:
         await op.press("2")
         op.app.show_message("something to read " * 12)
@@ -86,15 +77,11 @@ async def test_a_notice_is_not_over_the_stop_button() -> None:
         assert "STOP" in op.text.splitlines()[button.y]
         assert "something to read" in op.text
 
-
-async def test_the_stop_button_is_pressed_through_a_notice() -> None:
-    async with console(*FAST, size=(50, 15)) as op:
-        await op.press("2")
-        op.app.show_message("something to read")
+        await op.pilot.resize_terminal(50, 15)
         await op.settle()
-        button, notice = op.app.query_one("#stop"), op.app.main.query_one(NoticeLine)
-        notice.styles.offset = 0, button.region.y
+        button, notice = op.app.query_one("#stop").region, op.app.main.query_one(NoticeLine)
+        notice.styles.offset = 0, button.y
         await op.settle()
-        assert notice.region.contains(button.region.x, button.region.y)
-        click(op.app, button.region.x + 1, button.region.y)
+        assert notice.region.contains(button.x, button.y)
+        click(op.app, button.x + 1, button.y)
         await op.until(lambda: op.app.view.snapshot.is_stopped)

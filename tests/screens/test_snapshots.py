@@ -292,14 +292,11 @@ async def test_without_colour_every_word_stays(
     assert len(colours - grey) <= 4, colours - grey  # the drawn window's own frame and buttons
 
 
+@pytest.mark.parametrize("panel", corners(["4"], [*"123568"]))
 async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer(
-    request: pytest.FixtureRequest,
+    request: pytest.FixtureRequest, panel: str
 ) -> None:
-    async with pictured(STATES["battery low and moving"], "40x10") as it:
-        for panel in "123568" if by_night(request) else "4":
-            reset_main(it.main)
-            await it.type(panel)
-            assert it.differs(request, f"tiny panel {panel}") == []
+    await compare(request, f"tiny panel {panel}", STATES["battery low and moving"], "40x10", panel)
 
 
 MOVES = STATES["motor moving"]._replace(

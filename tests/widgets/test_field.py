@@ -141,7 +141,9 @@ async def test_only_the_left_button_acts() -> None:
         await op.until("✗ STOPPED")
 
 
-async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_fields_keys_are_in_the_footer_and_typing_lays_nothing_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     laid_out: list[Screen[object]] = []
     lay_out = Compositor.reflow
 
@@ -150,22 +152,19 @@ async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
         return lay_out(compositor, screen, size)
 
     async with console() as op:
-        await op.press("g", "1")
-        monkeypatch.setattr(Compositor, "reflow", counted)
-        await op.press("2", "backspace")
-        assert laid_out == []
-        await op.press("escape", "h")
-        assert laid_out != []
-
-
-async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() -> None:
-    async with console() as op:
         await op.until(f"g Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels")
         await op.press("g")
         assert op.text.splitlines()[-1].startswith(
             " enter Go  ↑ ↓ Recent goals  esc Leave  ^c Cancel  ^x STOP  "
         )
-        await op.press("escape", "4", "slash")
+        await op.press("1")
+        with monkeypatch.context() as counting:
+            counting.setattr(Compositor, "reflow", counted)
+            await op.press("2", "backspace")
+            assert laid_out == []
+            await op.press("escape", "h")
+            assert laid_out != []
+        await op.press("escape", "escape", "4", "slash")
         await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
         await op.press("escape")
         await op.until(f"{PANEL_KEYS} Panels")

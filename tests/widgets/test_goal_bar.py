@@ -8,9 +8,8 @@ import pytest
 
 from archo_tui.robot.state.goal import Phase
 from archo_tui.text.goal import goal_strip
-from archo_tui.text.state import plain_text
 from tests.support.front import front
-from tests.support.states import ARRIVED, MOVING, STATES
+from tests.support.states import ARRIVED, MOVING, STATES, plain_text
 from tests.support.stub import StandingClock
 
 DRIVING = STATES["motor moving"]

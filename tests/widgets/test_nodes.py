@@ -13,10 +13,10 @@ from rclpy.task import Future
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session.session import _robots_nodes
 from archo_tui.text.nodes import NodeRow
-from archo_tui.text.state import motion_word, plain_text
+from archo_tui.text.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
-from tests.support.states import NORMAL, STATES
+from tests.support.states import NORMAL, STATES, plain_text
 
 
 async def select(op: Console, name: str) -> None:
@@ -101,17 +101,18 @@ def _nodes(op: Console) -> Any:
     return op.app.view.snapshot.nodes
 
 
-async def test_stopping_what_drives_is_asked_about_and_its_goal_is_lost() -> None:
+async def test_stopping_what_drives_is_asked_about_alone_and_its_goal_is_lost() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
-        await op.until("MOVING to 12")
-        await op.press("escape")
+        await op.until("m left of")
+        await op.press("escape", "5", "home", "s")
+        await op.until("○ battery_monitor  stopped by you")
         await select(op, "/motor_controller")
         await op.press("s")
         await op.until("serves")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
-        assert "stopped by you" not in op.text
+        assert op.text.count("○ ") == 1
         await op.press("s")
         await op.until("Stop the node?")
         await op.press("tab", "enter")
@@ -214,14 +215,6 @@ async def test_another_node_that_serves_is_asked_about_and_those_elsewhere_stay(
         await op.until("Run another")
         await op.press("tab", "enter")
         await op.until("● motor_controller_2")
-
-
-async def test_stopping_a_node_that_does_not_drive_is_not_asked_about() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("m left of")
-        await op.press("escape", "5", "home", "s")
-        await op.until("○ battery_monitor  stopped by you")
 
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\u202e\u2028\u061c\U000e0041\ud800" + "a" + "\u0301" * 40
