@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 from rclpy.node import Node
-from rclpy.task import Future
-from std_srvs.srv import Trigger
 from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
@@ -19,6 +17,7 @@ from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, PANEL_KEYS, Console, console, key_event
 from tests.support.night import corners
+from tests.support.stand_in import Made, StandIn
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
 
@@ -286,29 +285,15 @@ async def test_enter_that_was_held_while_the_screen_stood_still_sets_nothing() -
 
 
 async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_is_held() -> None:
-    class Deaf(Node):
-        """Offers STOP and never answers."""
-
-        def __init__(self, **options: Any) -> None:
-            super().__init__("deaf", **options)
-            self.calls: list[float] = []
-            self.create_service(Trigger, "emergency_stop", self.stop)
-
-        async def stop(self, _: Any, response: Any) -> Any:
-            self.calls.append(seconds())
-            await Future()
-            return response
-
-    async with console(node_makers=[Deaf], wait=False) as op:
+    deaf = Made(StandIn, "deaf", "nothing")
+    async with console(node_makers=[deaf], wait=False) as op:
         await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
         begin = seconds()
         for number in range(40):
             await op.at(begin + 0.03 * number)
             op.send("ctrl+x")
         await op.settle()
-        (deaf,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(deaf, Deaf)
-        assert len(deaf.calls) <= 3
+        assert 1 < len(deaf.node.stops) <= 3
         await op.until("use the hardware stop")
 
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import random
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import Any, cast
 
 import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer
+from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.task import Future
 from std_msgs.msg import String
 
 from archo_tui.robot.outcome import Code
@@ -28,7 +28,7 @@ from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.ros import begin
-from tests.support.stand_in import Made
+from tests.support.stand_in import Made, StandIn
 
 ROBOT = [*_robots_nodes(False).values()]
 
@@ -169,21 +169,10 @@ async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_abou
 
 
 async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> None:
-    class Stubborn(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("stubborn", **options)
-            self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
-            ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-            self.create_timer(0.5, self.go)
-
-        def go(self) -> None:
-            self.client.send_goal_async(MoveToShelf.Goal(shelf_number=1))
-            next(iter(self.timers)).cancel()
-
-        async def execute(self, goal: Any) -> Any:
-            await Future()
-
-    async with console(node_makers=[Stubborn], wait=False) as op:
+    other, stubborn = Made(Other), partial(StandIn, "stubborn", goals="drive", heeds=False)
+    async with console(node_makers=[stubborn, other], wait=False) as op:
+        await op.until(other.node.client.server_is_ready)
+        other.node.go(1)
         await op.until("MOVING (another client's goal)")
         await op.press("ctrl+c", "y")
         await op.until("the robot rejected the cancel")

@@ -1,4 +1,4 @@
-"""What is typed into a field acts in its order, however fast it comes."""
+"""What is typed into a field acts in its order; a button is drawn at any width."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import re
 import pytest
 from textual import events
 from textual._compositor import Compositor
+from textual.app import App, ComposeResult
 from textual.geometry import Size
 from textual.screen import Screen
 
 from archo_tui.screen.commands.parameters import EditParameter
 from archo_tui.screen.widgets.bars import FooterKey, footer
-from archo_tui.screen.widgets.field import Field
+from archo_tui.screen.widgets.field import Button, Field
 from tests.support.console import FAST, LONG, PANEL_KEYS, console
 
 _EDITING = ("backspace", "delete", "left", "right", "home", "end", "ctrl+u", "ctrl+k", "ctrl+w")
@@ -201,3 +202,22 @@ def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str)
     keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
     line = footer(COMMANDS[1:], width, "^p", keys).plain
     assert line.partition("  ^p")[0].rstrip() == shown.rstrip()
+
+
+class _Narrow(App[None]):
+    CSS = "Button { min-width: 0; width: 2; }"
+
+    def compose(self) -> ComposeResult:
+        yield Button("Release", lambda: None, id="release")
+
+
+async def test_a_button_without_a_cell_for_its_label_is_drawn() -> None:
+    app = _Narrow()
+    async with app.run_test(size=(20, 5)) as pilot:
+        for width in (2, 1, 0, 3):
+            app.query_one(Button).styles.width = width
+            await pilot.pause()
+            assert app.is_running
+            app.query_one(Button).styles.width = 12
+            await pilot.pause()
+            assert "Release" in app.screen._compositor.render_strips()[0].text

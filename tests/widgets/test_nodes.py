@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
-from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionServer
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session.session import _robots_nodes
@@ -16,6 +13,7 @@ from archo_tui.text.nodes import NodeRow
 from archo_tui.text.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
+from tests.support.stand_in import StandIn
 from tests.support.states import NORMAL, STATES, plain_text
 
 
@@ -120,28 +118,11 @@ async def test_stopping_what_drives_is_asked_about_alone_and_its_goal_is_lost() 
         await op.until("✗ LOST         the robot may still be moving")
 
 
-class Driver(Node):
-    """Has a goal that never ends."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("driver", **options)
-        ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-
-    async def execute(self, goal: Any) -> Any:
-        await Future()
-
-
-class Brake(Node):
-    """Serves STOP, and nothing else."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("brake", **options)
-        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
-
-
 async def test_stopping_what_only_serves_stop_is_asked_about_in_a_move() -> None:
-    async with console(node_makers=[Driver, Brake], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
+    driver, brake = partial(StandIn, "driver", goals="drive"), partial(StandIn, "brake", "yes")
+    async with console(node_makers=[driver, brake], wait=False) as op:
+        wanted = {"move_to_shelf", "emergency_stop"}
+        await op.until(lambda: op.app.view.snapshot.offered >= wanted)
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("escape")
