@@ -98,9 +98,10 @@ def age_text(seconds: float) -> str:
 
 def late_text(received: float | None, now: float) -> str:
     """Return the age of a reading whose topic is slow, as `6 s ago`; "" within 3 s."""
-    if received is None or now - received <= _LATE:
+    age = 0.0 if received is None else now - received
+    if age <= _LATE:
         return ""
-    return f"{now - received:.0f} s ago"  # Tenths would be drawn at each snapshot.
+    return f"{age_text(age) if age > 10 else f'{age:.0f} s'} ago"  # Tenths cost a drawing each.
 
 
 def seconds_text(seconds: float) -> str:
