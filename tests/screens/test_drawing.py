@@ -21,8 +21,9 @@ from tests.support.clock import TIME
 from tests.support.console import FAST, console
 from tests.support.front import Front, front
 from tests.support.night import corners
+from tests.support.quiet import Quiet
 from tests.support.states import STATES
-from tests.support.stub import StandingClock
+from tests.support.stub import StandingClock, stub_app
 
 Cells = list[tuple[str, str]]
 _DRAW = Screen._compositor_refresh
@@ -90,9 +91,13 @@ async def test_the_first_picture_waits_for_the_robots_nodes(
         return whole(compositor, simplify)
 
     monkeypatch.setattr(Compositor, "render_full_update", counted)
-    async with front(STATES["normal"]._replace(nodes=())) as it:
+    app = stub_app(STATES["normal"]._replace(nodes=()))
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.pause()  # It is never at rest before.
         assert drawn == []
-        await it.put(STATES["normal"])
+        robot: Any = app.station.robot
+        robot.put(STATES["normal"])
+        await Quiet(app).settle()
         assert drawn[:1] == [1]
 
 
