@@ -106,14 +106,11 @@ class Approvals:
     def _change(self, number: int, **changes: Any) -> None:
         self._all[number] = self._all[number]._replace(**changes)
 
-    def _stop_count(self) -> int:
-        return self._robot.stops.count + self._robot.stops.sent_elsewhere
-
     def close_outdated(self) -> None:
         """Close the requests that a person can no longer allow, with an event for each."""
         now, busy = self._clock.monotonic(), self._goals.busy_reason
         for request in self.waiting:
-            outdated = request.outdated_by(now, self._stop_count(), busy)
+            outdated = request.outdated_by(now, self._robot.stops.total, busy)
             if outdated is not None:
                 status, reason = outdated
                 self._change(request.number, status=status, reason=reason)
@@ -122,16 +119,15 @@ class Approvals:
 
     def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
         """Ask a person to allow a goal; ValueError if nobody could allow it now."""
-        requester, stop_count = current_requester(), self._robot.stops.count_when_typed
+        requester, stops = current_requester(), self._robot.stops
         refusal = self._refusal()
-        if not refusal and (requester.has_left or self._robot.stops.is_void(stop_count)):
+        if not refusal and (requester.has_left or stops.is_void(stops.count_when_typed)):
             refusal = NOT_SENT
         if refusal or (refusal := self._too_many()):
             raise ValueError(refusal)
-        stop_count += self._robot.stops.sent_elsewhere
         self._last_number = number = self._last_number + 1
         now = self._clock.monotonic()
-        request = ApprovalRequest(number, requester, goal, text, now, stop_count)
+        request = ApprovalRequest(number, requester, goal, text, now, stops.total_when_typed)
         self._all[number] = request
         self._forget_oldest()
         values = {"request": number, "values": goal.values}

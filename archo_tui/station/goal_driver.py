@@ -81,7 +81,7 @@ class GoalDriver:
     def update(self, snapshot: Snapshot, holding: Holding) -> None:
         """Report the goals that have ended, and send the one that is due, if there is one."""
         self._snapshot = snapshot
-        now, stop_count = self._clock.monotonic(), self._robot.stops.count
+        now, stop_count = self._clock.monotonic(), self._robot.stops.total
         self._become(self.queue.seen(snapshot, now, stop_count, holding))
 
     def _become(self, after: GoalQueue) -> None:
@@ -159,7 +159,7 @@ class GoalDriver:
             text = f"more than {MAX_QUEUED_GOALS} goals would wait"
             answer.set_result(Outcome(Code.REFUSED, text))
             return answer
-        stop_count = self._robot.stops.count_when_typed
+        stop_count = self._robot.stops.total_when_typed
         goals = [goal._replace(stop_count=stop_count, requester=requester) for goal in goals]
         first = self.queue.submitted + 1
         if requester is not YOU:
@@ -182,7 +182,7 @@ class GoalDriver:
         gate = self._robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
         if outcome.ok:
-            self._become(self.queue.resume(gate.count_when_typed))
+            self._become(self.queue.resume(gate.count_when_typed + gate.sent_elsewhere))
             self._renew_ends()
             self._on_changed()
             if self.queue.hold_reason:
@@ -273,8 +273,13 @@ class GoalDriver:
             self._answered(Outcome(Code.CANCELLED, NEVER_LEFT))
             return
         self._become(self.queue.hand_over())
+        stops = self._robot.stops
         try:
-            with self._robot.stops.typed_at(goal.stop_count), on_behalf_of(goal.requester):
+            # One of another console since it was typed counts like one of this console.
+            with (
+                stops.typed_at(goal.stop_count - stops.sent_elsewhere),
+                on_behalf_of(goal.requester),
+            ):
                 outcome = await self._robot.send(goal.kind, goal.values, queued=coming.waited)
         except asyncio.CancelledError:  # The screen ends. The next one learns of it as it runs.
             self._become(self.queue.lose())

@@ -58,6 +58,8 @@ def main() -> int:
         text, traceback = file.explain(error)
         reporter.report(error=text, traceback=traceback)
         return 1
+    finally:
+        reporter.destroy_nodes()
     return 0
 
 
@@ -79,7 +81,7 @@ class _Reporter:
         self._pid = os.getpid()
         self._answers: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._asking = threading.Lock()
-        nodes: list[Any] = []
+        self._nodes = nodes = list[Any]()
         values: dict[str, dict[str, Any]] = {}  # That the operator has set, by node.
         spins = SpinWatch(file, lambda name: values.get(name, {}), self.report)
         init_context, make_node, make_service, make_action, add_node = (
@@ -131,6 +133,12 @@ class _Reporter:
             return  # Of a child that it has forked.
         with contextlib.suppress(BrokenPipeError):  # The console was killed, and so is this.
             os.write(self._descriptor, json.dumps(what).encode() + b"\n")
+
+    def destroy_nodes(self) -> None:
+        """Take the nodes off the graph, where Kilted leaves those that are referenced for 20 s."""
+        for node in self._nodes:
+            with contextlib.suppress(Exception):  # The program may have destroyed parts of it.
+                node.destroy_node()
 
     def _ask(self, **what: Any) -> dict[str, Any]:
         """Report, and wait for the answer of the console, which may end the program."""

@@ -19,6 +19,7 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.session.session import _robots_nodes
 from tests.robots.cart import Cart
 from tests.support import clock
+from tests.support.console import BRISK
 from tests.support.peer import Peer
 from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
@@ -272,6 +273,20 @@ async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -
         await person.until(f"failed: release: {VOID}")
         assert await person.end() == 1
     assert "release stop" not in person.said
+
+
+async def test_another_consoles_stop_that_is_refused_holds_what_waited_here() -> None:
+    peer, nodes = Made(Peer), _robots_nodes(False).values()
+    async with operated(*nodes, peer, ros_args=BRISK) as person:
+        await person.enter("go 12 7", "MOVING to 12")
+        await until(lambda: peer.node._records.get_subscription_count() == 1)
+        peer.node.tell("stop", Code.REFUSED)
+        await person.until("queue held: 7 (STOP)")
+        await person.until("Arrived at shelf 12")
+        person.type("status\n")
+        await person.until("queue held: 7 (STOP)")
+        await person.enter("continue", "MOVING to 7")
+        assert await person.end() == 0
 
 
 async def test_a_stop_that_no_node_serves_is_said_in_time_and_never_called_sent() -> None:

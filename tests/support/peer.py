@@ -19,7 +19,7 @@ class Peer(Node):
         super().__init__("_archo_console_other_lab_1", **options)
         self._records = self.create_publisher(String, audit_records.TOPIC, 10)
 
-    def tell(self, verb: str) -> None:
-        record = AuditRecord(verb, {}, Code.DONE)
-        said = audit_records.to_json("other_lab_1", record, f"{verb}: done")
+    def tell(self, verb: str, code: Code = Code.DONE) -> None:
+        record = AuditRecord(verb, {}, code)
+        said = audit_records.to_json("other_lab_1", record, f"{verb}: {code.value}")
         self._records.publish(String(data=said))

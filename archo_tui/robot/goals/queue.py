@@ -31,7 +31,8 @@ class QueuedGoal(NamedTuple):
 
     kind: GoalKind
     values: Mapping[str, Any]  # By dotted path in the goal message.
-    stop_count: int = 0  # STOPs that had been read when it was typed, or the queue continued.
+    # STOPs, here and of other consoles, before it was typed or the queue continued.
+    stop_count: int = 0
     requester: Requester = YOU
     number: int = 0  # Names it in the queue, counted from 1.
     list_number: int = 0  # The same for each goal of one line.

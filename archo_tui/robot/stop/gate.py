@@ -87,6 +87,16 @@ class Stops:
         return self.answered >= self.count
 
     @property
+    def total(self) -> int:
+        """The STOPs that were read here, and the reports of those of other consoles."""
+        return self.count + self.sent_elsewhere
+
+    @property
+    def total_when_typed(self) -> int:
+        """The `total` of the present input, behind which a STOP here or elsewhere came later."""
+        return self.count_when_typed + self.sent_elsewhere
+
+    @property
     def count_when_typed(self) -> int:
         """The value of `count` when the present input was read; the present `count` if not set."""
         typed_at = self._typed_at.get()
