@@ -142,11 +142,13 @@ async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_onc
         await op.until("● online")
         assert "no STOP" in op.line(" ARCHO ")
         await op.at(seconds() + FIRST_FOUND)
+        pressed = seconds()
         await op.press("ctrl+x")
-        await op.settle()
-        assert "✗ STOP NOT SENT" in op.line(" ARCHO ")
+        await op.until(lambda: "✗ STOP NOT SENT" in op.line(" ARCHO "))
         reason = "/emergency_stop is not offered by any node"
         assert f"STOP NOT SENT ({reason}): use the hardware stop" in op.text
+        await op.until(lambda: any(e.level == "YOU" for e in op.app.view.snapshot.events))
+        assert seconds() - pressed < 1.0
         (said,) = (e for e in op.app.view.snapshot.events if e.level == "YOU")
         assert said.text == f"STOP: {reason}: use the hardware stop"
         assert op.text.count(reason) == 2  # in the banner and among the events
