@@ -101,7 +101,7 @@ async def test_it_is_asked_on_or_off_and_the_safe_answer_changes_nothing(here: P
             await op.until(lambda: op.app.screen is op.app.main)
 
 
-async def test_a_toggle_of_no_reading_asks_each_time_and_what_the_command_asks_behind_it(
+async def test_a_toggle_of_no_reading_asks_which_way_and_then_what_the_command_asks(
     here: Path,
 ) -> None:
     async with lamp(here, "always", reading="ask") as (op, node):

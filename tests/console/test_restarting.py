@@ -150,9 +150,7 @@ def test_what_is_left_is_read_once_and_by_nobody_else(monkeypatch: pytest.Monkey
     assert handover.take() is None
 
 
-async def test_a_waiting_clients_goal_is_not_taken_along_and_a_stop_while_the_screen_goes_is() -> (
-    None
-):
+async def test_a_waiting_clients_goal_is_not_taken_along_and_a_late_stop_is() -> None:
     async with console(*FAST, handover=LEFT) as op:
         waiting = Requester("SHELL", "pid 7")
         waiting.waits = True

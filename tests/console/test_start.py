@@ -170,7 +170,7 @@ async def test_no_list_has_a_bar_before_somebody_comes_by_a_key_or_a_click() -> 
             assert len(it.app.screen_stack) == 1
 
 
-async def test_the_header_says_what_counts_and_all_panels_have_room_from_80_x_24_on() -> None:
+async def test_the_header_says_what_counts_and_all_panels_have_room() -> None:
     async with front(size=(80, 24)) as it:
         for size in ((80, 24), (80, 30), (100, 30), (110, 24), (150, 30), (200, 60)):
             await it.resize(*size)

@@ -277,7 +277,7 @@ async def test_without_utf_8_it_is_all_ascii(
     assert drawn.isascii(), set(drawn) - set(map(chr, range(128)))
 
 
-def test_a_shortened_name_is_seen_to_be_one_and_no_unit_is_a_question_mark_in_ascii() -> None:
+def test_in_ascii_a_shortened_name_is_seen_and_no_unit_is_a_question_mark() -> None:
     assert in_ascii("start_type_de…ption") == "start_type_de~ption"
     assert in_ascii("90°  0.4 m/s²  3 µs") == "90*  0.4 m/s2  3 us"
 

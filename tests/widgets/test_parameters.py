@@ -306,7 +306,7 @@ def shown(op: Console, said: str) -> bool:
     return str(line.content).endswith(said)
 
 
-async def test_a_strange_place_is_one_line_and_a_dialog_left_at_work_says_nothing_more(
+async def test_a_strange_place_is_one_line_and_a_dialog_left_says_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     go_on = asyncio.Event()
