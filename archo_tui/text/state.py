@@ -22,6 +22,7 @@ BARS = "▁▂▃▄▅▆▇█"  # Of a curve in one line, the lowest first.
 Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 _LATE = 3.0  # Seconds: a reading of every second that is older counts as old.
+STILL_RUNNING = "✗ A GOAL STILL RUNS"  # The same of a goal from before the stop.
 STILL_MOVING = "✗ STILL MOVING"  # The state of a robot that reports a stop, and moves.
 
 
@@ -218,6 +219,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((text[:width], BAD),)
     if snapshot.latch is Latch.UNCERTAIN:
         return (("✗ STOP NOT CERTAIN", BAD),)
+    if snapshot.runs_on and not snapshot.stop_not_obeyed:
+        return ((STILL_RUNNING, BAD),)
     if snapshot.stop_holds and not motion.moving and not motion.is_old(now):
         return STOPPED
     if described is None:

@@ -38,7 +38,7 @@ def state(station: Station) -> dict[str, Any]:
         },
         "motion": {
             "moving": motion.moving,
-            "stopped": None if snapshot.latch is Latch.UNCERTAIN else _stopped(snapshot),
+            "stopped": _stopped(snapshot),
             "speed": _number(motion.speed),
             "time_factor": snapshot.time_factor,  # None for real seconds.
             "word": _motion_word(snapshot, now, 80),
@@ -66,7 +66,12 @@ def state(station: Station) -> dict[str, Any]:
 
 
 def _stopped(snapshot: Snapshot) -> bool | None:
-    """Return True if a confirmed STOP holds, else the robot's own report; None without one."""
+    """Return True if a confirmed STOP holds, else the robot's own report.
+
+    None without one, or if that is in doubt.
+    """
+    if snapshot.latch is Latch.UNCERTAIN or snapshot.runs_on:
+        return None
     return True if snapshot.stop_holds else snapshot.motion.stopped
 
 

@@ -1,26 +1,30 @@
-"""Recordings as bags: readers that nobody here wrote find what the nodes published."""
+"""The last minute in memory, and recordings as bags that readers of others find whole."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
+from archo_interfaces.srv import EmergencyStop
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from rcl_interfaces.msg import Log, ParameterEvent
-from rclpy.serialization import deserialize_message
+from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
+from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.highlevel import AnyReader
+from std_msgs.msg import Int16MultiArray, String
 
 from archo_tui.recordings import store
-from archo_tui.recordings.bag import LazyMessage
+from archo_tui.recordings.bag import LazyMessage, ReceivedMessage
+from archo_tui.recordings.recorder import MAX_BYTES, Ring
 from archo_tui.recordings.store import Recording
-from tests.black_box.test_ring import kept
+from archo_tui.robot.node import cdr_size
 from tests.robots.test_rover import rover
-from tests.robots.test_tug import tug
+from tests.support import chosen
 from tests.support.bags import received, write
 from tests.support.console import FAST, Console, console
 
@@ -78,14 +82,10 @@ def test_every_field_of_a_message_is_read_back_by_others(tmp_path: Path) -> None
     for (_, _, found), (_, message) in zip(read[:4], sent[:4], strict=True):
         assert same(found, message), (found, message)
     assert read[4][2].msg == "made now"
-
-
-def test_without_its_metadata_the_file_is_read_as_well(tmp_path: Path) -> None:
-    written(tmp_path, [("/battery_level", BatteryStatus(percentage=50.0))])
-    (tmp_path / store.METADATA).unlink()
+    (tmp_path / store.METADATA).unlink()  # without it the file is read as well
     (file,) = tmp_path.iterdir()
     with AnyReader([file]) as reader:
-        assert reader.message_count == 1
+        assert reader.message_count == 5
 
 
 def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
@@ -96,6 +96,9 @@ def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
     (tmp_path / store.METADATA).write_text("rosbag2_bagfile_information: [1")
     with pytest.raises(ValueError, match=r"metadata\.yaml does not describe a bag"):
         store.read_recording(tmp_path)
+    for custom in ("[1]", "abc", "{start: x, why: {a: 1}}", "{why: [1, 2]}"):
+        (tmp_path / store.METADATA).write_text(START.format("5").replace("{}", custom))
+        assert store.read_recording(tmp_path) == Recording(tmp_path, 5e-9, 5e-9, 1, "", False)
 
 
 async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
@@ -148,13 +151,6 @@ async def test_robots_with_interfaces_of_their_own_are_in_the_file_too(tmp_path:
     compare(tmp_path, heard, "/odom", "/go_to/_action/feedback")
 
 
-async def test_a_robot_without_a_goal_is_in_the_file_too(tmp_path: Path) -> None:
-    async with tug() as (op, _):
-        await op.settle()
-        heard = await live(op, tmp_path)
-    compare(tmp_path, heard, "/wheels")
-
-
 @pytest.mark.parametrize(
     "said",
     [
@@ -175,12 +171,6 @@ def test_what_is_no_bag_is_none_and_hinders_nobody(said: str, tmp_path: Path) ->
     assert store.make_room(tmp_path, 10**9)[1] == []
 
 
-@pytest.mark.parametrize("custom", ["[1]", "abc", "{start: x, why: {a: 1}}", "{why: [1, 2]}"])
-def test_odd_custom_data_is_left_alone(custom: str, tmp_path: Path) -> None:
-    (tmp_path / store.METADATA).write_text(START.format("5").replace("{}", custom))
-    assert store.read_recording(tmp_path) == Recording(tmp_path, 5e-9, 5e-9, 1, "", False)
-
-
 def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) -> None:
     lines = [Log(msg="before"), Log(msg="caf\udce9"), Log(msg="behind")]
     makers = [LazyMessage(lambda *_, line=line: line, 100) for line in lines]
@@ -190,3 +180,110 @@ def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) ->
     assert "surrogates not allowed" in came.first_error
     assert [message.msg for _, _, message in by_rosbags(tmp_path)] == ["before", "behind"]
     assert store.read_recording(tmp_path).messages == 2
+
+
+def parameter(random: Random) -> Parameter:
+    value = ParameterValue(
+        type=random.randrange(10),
+        string_value="ü" * random.randrange(9),
+        byte_array_value=[bytes([n]) for n in range(random.randrange(4))],
+        double_array_value=[0.5] * random.randrange(4),
+        bool_array_value=[True] * random.randrange(4),
+        string_array_value=["x" * random.randrange(5) for _ in range(random.randrange(4))],
+    )
+    return Parameter(name="n" * random.randrange(9), value=value)
+
+
+def test_what_an_engine_hands_out_behind_a_message_is_no_part_of_its_size() -> None:
+    random = Random(3)
+    events = [
+        ParameterEvent(
+            node="/" + "x" * random.randrange(9),
+            new_parameters=[parameter(random) for _ in range(random.randrange(4))],
+            deleted_parameters=[parameter(random) for _ in range(random.randrange(2))],
+        )
+        for _ in range(200)
+    ]
+    others = [EmergencyStop.Request(), String(data="a"), Int16MultiArray(data=[1, 2, 3])]
+    for message in (*events, *others):
+        data, size = serialize_message(message), cdr_size(message)
+        assert size <= len(data)
+        assert deserialize_message(data[:size], type(message)) == message
+        if chosen.ENGINE == "embedded":
+            assert size == len(data)
+
+
+def heard(seconds: float, topic: str = "/battery_level", text: str = "") -> ReceivedMessage:
+    return received(int(seconds * 1e9), topic, String(data=text))
+
+
+def text_of(one: ReceivedMessage) -> str:
+    assert isinstance(one.content, bytes)
+    said: str = deserialize_message(one.content, String).data
+    return said
+
+
+def texts(ring: Ring) -> list[str]:
+    return [text_of(one) for one in kept(ring)]
+
+
+def kept(ring: Ring) -> list[ReceivedMessage]:
+    latched, number = ring.begin()
+    ring.hold(float("inf"))
+    return [*latched, *ring.since(number)[0]]
+
+
+def test_what_is_older_than_its_span_goes() -> None:
+    ring = Ring(span=60.0)
+    for second in range(100):
+        ring.add(heard(second, "/rosout", str(second)))
+    assert texts(ring) == [str(second) for second in range(39, 100)]
+
+
+def test_more_bytes_than_it_may_take_push_the_oldest_out() -> None:
+    ring = Ring(max_bytes=10_000)
+    for number in range(100):
+        ring.add(heard(number / 1000, "/rosout", str(number).zfill(1000)))
+        assert ring.bytes <= 10_000
+    assert texts(ring) == [str(number).zfill(1000) for number in range(92, 100)]
+
+
+def test_the_last_of_a_topic_stands_at_the_begin_though_it_is_older() -> None:
+    ring = Ring(span=60.0)
+    for second, topic in ((0, "/battery_level"), (1, "/battery_level"), (2, "/rosout")):
+        ring.add(heard(second, topic, str(second)))
+    ring.add(heard(100, "/rosout", "now"))
+    assert texts(ring) == ["1", "now"]
+    assert {one.time for one in kept(ring)} == {100 * 10**9}
+
+
+def test_what_a_recording_has_not_taken_is_kept() -> None:
+    ring = Ring(span=60.0)
+    ring.add(heard(1, "/rosout", "before"))
+    _, first = ring.begin()
+    ring.add(heard(100, "/rosout", "after"))
+    taken, following = ring.since(first)
+    assert [text_of(one) for one in taken] == ["before", "after"]
+    ring.hold(following)
+    ring.add(heard(101, "/rosout", "more"))
+    assert [text_of(one) for one in ring.since(following)[0]] == ["more"]
+    ring.add(heard(200, "/rosout", "x" * MAX_BYTES))
+    assert ring.first > following  # Of too many the oldest go all the same.
+
+
+def test_a_message_weighs_about_what_its_bytes_do() -> None:
+    assert 1000 < heard(1, text="x" * 1000).bytes < 1500
+    later = LazyMessage(lambda first, since: String(), 1230)
+    assert 1230 < ReceivedMessage(1, "/later", String, later).bytes < 1700
+
+
+def test_one_message_that_is_too_large_alone_leaves_what_stands_with_its_time() -> None:
+    ring = Ring(max_bytes=10_000)
+    ring.add(heard(50, "/battery_level", "stands"))
+    ring.add(heard(51, "/rosout", "x" * 20_000))
+    (one,) = kept(ring)
+    assert (text_of(one), one.time, ring.bytes) == ("stands", 50 * 10**9, 0)
+    ring = Ring()  # What is too large does not stand on.
+    ring.add(heard(1, "/map", "x" * 2_000_000))
+    ring.add(heard(100, "/rosout", "now"))
+    assert texts(ring) == ["now"]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -22,12 +23,13 @@ from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
+from archo_tui import cli
 from archo_tui.base.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.store import Recording
 from archo_tui.session.options import Options
 from archo_tui.session.session import Session
-from tests.support import chosen, clock, warm
+from tests.support import chosen, clock
 from tests.support.bags import add, received, write
 from tests.support.console import FAST, LONG, console
 from tests.support.night import corners
@@ -59,8 +61,7 @@ async def recorded(session: Session, count: int = 1) -> list[Recording]:
 
 
 async def stopped(person: Typed) -> None:
-    person.type("stop\n")
-    await person.until("STOP: confirmed")
+    await person.enter("stop", "STOP: confirmed")
 
 
 def said(recording: Recording) -> list[str]:
@@ -73,8 +74,7 @@ def said(recording: Recording) -> list[str]:
 
 async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
     async with operated(*FAST) as (person, session):
-        person.type("go 12\n")
-        await person.until("Arrived at shelf 12")
+        await person.enter("go 12", "Arrived at shelf 12")
         await stopped(person)
         pressed = session.station.clock.now()
         (recording,) = await recorded(session)
@@ -94,24 +94,17 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
 
 
 @pytest.mark.waits
-async def test_an_arrival_and_a_cancel_are_nothing_to_record() -> None:
-    async with operated(*LONG) as (person, _):
-        person.type("go 12\n")
-        await person.until("goal MOVING to 12")
-        person.type("cancel\n")
-        await person.until("CANCELLED")
-        await while_passes(20.0)
-    assert found() == []
-
-
-async def test_what_happens_soon_after_is_in_the_same_recording_and_named() -> None:
+async def test_no_cancel_is_recorded_and_what_follows_a_stop_is_with_it() -> None:
     async with operated(*LONG) as (person, session):
-        person.type("go 12\n")
-        await person.until("goal MOVING to 12")
+        await person.enter("go 12", "goal MOVING to 12")
+        await person.enter("cancel", "CANCELLED")
+        await while_passes(20.0)
+        assert found() == []
+        await person.enter("go 7", "goal MOVING to 7")
         await stopped(person)
         await person.until("ABORTED")
         (recording,) = await recorded(session)
-    assert sorted(recording.why.split(", ")) == ["STOP", "shelf 12: aborted"]
+    assert sorted(recording.why.split(", ")) == ["STOP", "shelf 7: aborted"]
 
 
 class Crashing(Node):
@@ -130,24 +123,30 @@ async def test_a_crash_is_recorded() -> None:
     assert recording.name.endswith("_node_crashed_crashing")
 
 
-@pytest.mark.waits
-async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    finish, goes_on, began = bag.BagWriter.finish, threading.Event(), threading.Event()
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> tuple[threading.Event, threading.Event]:
+    """A disk that says when it has begun to end a file, and goes on when it is told."""
+    finish, began, goes_on = bag.BagWriter.finish, threading.Event(), threading.Event()
 
-    def slow(*given: Any) -> None:
+    def wait(*given: Any) -> None:
         began.set()
         assert goes_on.wait(30)
         finish(*given)
 
-    monkeypatch.setattr(bag.BagWriter, "finish", slow)
+    monkeypatch.setattr(bag.BagWriter, "finish", wait)
+    return began, goes_on
+
+
+@pytest.mark.waits
+async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
+    slow: tuple[threading.Event, threading.Event],
+) -> None:
+    began, goes_on = slow
     async with operated(*FAST) as (person, session):
         await stopped(person)
         await while_passes(6.5)
         await outside(began.is_set, "the disk")
-        person.type("release --yes\n")
-        await person.until("release stop: Released")
+        await person.enter("release --yes", "release stop: Released")
         person.type("stop\n")
         await until(lambda: session.robot.snapshot.is_stopped)
         goes_on.set()
@@ -158,7 +157,7 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
 
 
 @pytest.mark.waits
-async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
+async def test_a_disk_that_takes_nothing_is_an_alarm_and_ends_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def full(_: int) -> None:
@@ -169,27 +168,20 @@ async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
             patch.setattr(os, "fsync", full)
             await stopped(person)
             assert await recorded(session) == []
-        person.type("alarms\n")
-        await person.until("RECORDING NOT WRITTEN: No space left on device: recordings")
+        await person.enter("alarms", "RECORDING NOT WRITTEN: No space left on device: recordings")
         assert list(state_file("recordings").iterdir()) == []
         session.station.recorder.keep()
         await while_passes(6.5)
         await outside(found, "a recording")  # the failure before it stands until then
         (recording,) = found()
         await until(lambda: not session.box.trouble)
-    assert recording.kept
-
-
-async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
-    state_file("recordings").parent.mkdir(parents=True)
-    state_file("recordings").write_text("a file where the folder would be")
-    async with operated(*FAST) as (person, session):
+        assert recording.kept
+        shutil.rmtree(state_file("recordings"))
+        state_file("recordings").write_text("a file where the folder would be")
         await stopped(person)
         await while_passes(6.5)
         await outside(lambda: session.box.failure, "what the disk says")
-        person.type("alarms\nrelease --yes\n")
-        await person.until("RECORDING NOT WRITTEN")
-        await person.until("release stop: Released")
+        await person.enter("release --yes", "release stop: Released")  # The console goes on.
     assert session.unrecorded.startswith("recording not written: ")
 
 
@@ -210,6 +202,11 @@ def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> N
     assert [one.name[-2:] for one in gone] == ["n0", "n2"]
     assert [one.name[-2:] for one in store.list_recordings(folder)] == ["n1", "n3", "n4"]
     assert left == sum(one.bytes for one in store.list_recordings(folder))
+    elsewhere = add(tmp_path / "elsewhere", 1000.0, "theirs", fill)
+    (folder / "link").symlink_to(elsewhere)  # which is left alone
+    assert len(store.list_recordings(folder)) == 3
+    assert [one.name[-2:] for one in store.make_room(folder, 1)[1]] == ["n3"]
+    assert elsewhere.exists()
 
 
 def test_two_of_one_second_have_names_of_their_own(tmp_path: Path) -> None:
@@ -251,24 +248,16 @@ def test_a_process_that_is_killed_leaves_whole_recordings_or_none(tmp_path: Path
             assert reader.message_count == 300
 
 
-def test_a_link_among_the_recordings_is_left_alone(tmp_path: Path) -> None:
-    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "recordings"
-    add(elsewhere, 1000.0, "theirs", fill)
-    add(folder, 2000.0, "ours", fill)
-    (folder / "link").symlink_to(next(elsewhere.iterdir()))
-    assert [one.why for one in store.list_recordings(folder)] == ["a test"]
-    assert store.make_room(folder, 1)[1] == []
-    assert len(list(elsewhere.iterdir())) == 1
+Archo = Callable[..., tuple[int, str, str]]
 
 
-def archo(*words: str) -> tuple[int, str, str]:
-    done = subprocess.run(
-        warm.python("-m", "archo_tui", *words), capture_output=True, text=True, check=False
-    )
-    return done.returncode, done.stdout, done.stderr
+@pytest.fixture
+def archo(capsys: pytest.CaptureFixture[str]) -> Archo:
+    """Runs the command line; returns its exit code, what it said, and its errors."""
+    return lambda *words: (cli.main([*words]), *capsys.readouterr())
 
 
-def test_the_list_says_when_why_how_long_and_how_large() -> None:
+def test_the_list_says_when_why_how_long_and_how_large(archo: Archo) -> None:
     folder = state_file("recordings")
     folder.parent.mkdir(parents=True)
     assert archo("recordings") == (0, f"no recordings in {folder}\n", "")
@@ -290,15 +279,12 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     said = f"archo-tui: no recording is called {names[0]} (see archo-tui recordings)\n"
     assert (code, err) == (2, said)
     assert [one.name for one in store.list_recordings(folder)] == [names[1]]
+    for size, said in ((212_400, "    212 kB"), (1_240_000, "    1.2 MB")):
+        one = Recording(Path("a"), 0.0, 65.0, 9, "STOP", kept=False, bytes=size)
+        assert store.length_size_and_why(one) == f"   65 s  {said}  STOP"
 
 
-@pytest.mark.parametrize(("size", "said"), [(212_400, "    212 kB"), (1_240_000, "    1.2 MB")])
-def test_a_small_recordings_size_is_told_in_kilobytes(size: int, said: str) -> None:
-    one = Recording(Path("a"), 0.0, 65.0, 9, "STOP", kept=False, bytes=size)
-    assert store.length_size_and_why(one) == f"   65 s  {said}  STOP"
-
-
-def test_what_cannot_be_is_one_line() -> None:
+def test_what_cannot_be_is_one_line(archo: Archo) -> None:
     state_file("recordings").parent.mkdir(parents=True)
     state_file("recordings").write_text("")
     cases = [(["recordings"], "Not a directory"), (["recordings", "--delete", "x"], "Not a ")]
@@ -312,20 +298,13 @@ def test_what_cannot_be_is_one_line() -> None:
 
 
 async def test_what_waits_for_the_disk_at_the_end_is_written_too(
-    monkeypatch: pytest.MonkeyPatch,
+    slow: tuple[threading.Event, threading.Event],
 ) -> None:
-    finish, goes_on = bag.BagWriter.finish, threading.Event()
-
-    def slow(*given: Any) -> None:
-        assert goes_on.wait(30)
-        finish(*given)
-
-    monkeypatch.setattr(bag.BagWriter, "finish", slow)
     async with operated(*FAST) as (person, session):
         session.station.recorder.keep()
         await while_passes(6.5)
         await stopped(person)  # whose seconds are not over
-        goes_on.set()
+        slow[1].set()
     assert [one.why for one in found()] == ["kept", "STOP"]
     assert session.unrecorded == ""
 
@@ -396,3 +375,33 @@ def test_the_one_just_written_stays_whatever_the_clock_says(tmp_path: Path) -> N
     write(foreign, [received(2 * 10**18, "/rosout", Log())], {})
     assert next(one.name for one in store.make_room(folder, 1, made)[1]) == "of_another_tool"
     assert [one.folder for one in store.list_recordings(folder)] == [made]
+
+
+_SLOW = """
+import time
+from archo_tui.recordings import bag
+bag.BagWriter.finish = lambda *_: time.sleep(60)
+"""
+
+
+@pytest.mark.posix
+@pytest.mark.real_time
+@pytest.mark.parametrize("way", corners(["keys", "a slow disk"], ["SIGTERM", "SIGHUP"]))
+def test_a_stop_just_before_the_end_is_recorded_unless_the_disk_hangs(way: str) -> None:
+    from tests.support.terminal import Terminal
+
+    terminal = Terminal(code=_SLOW if way == "a slow disk" else "")
+    terminal.until("● online")
+    terminal.write("\x18")
+    terminal.until("STOPPED")
+    if way.startswith("SIG"):
+        terminal.kill(signal.Signals[way])
+    else:
+        terminal.write("\x11")
+    if way == "a slow disk":  # It holds the end up for a moment only.
+        terminal.until("recording not written: the disk is too slow")
+        assert terminal.exit_code() == 0
+        assert not [p for p in state_file("recordings").iterdir() if not p.name.startswith(".")]
+    else:
+        terminal.exit_code()
+        assert [one.why for one in found()] == ["STOP"]

@@ -51,19 +51,15 @@ def test_what_is_saved_is_loaded_as_the_same_value(tmp_path: Path, kind: str, va
     assert save_load.plan_load(file, [one(kind, value)]).changes == ()
 
 
-def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None:
-    parameters = [
-        Parameter("/node", name, "integer", 1, 1) for name in ("a.b", "x: y", "[z]", "#1")
-    ]
-    file = tmp_path / "saved.yaml"
-    save_load.write_atomically(file, save_load.dump(parameters)[0])
-    assert [override.name for override in read(file)] == ["a.b", "x: y", "[z]", "#1"]
-
-
-def test_what_a_file_cannot_hold_is_said() -> None:
-    text, left_out = save_load.dump([one("byte[]", [b"x"]), one("integer", 1)])
-    assert left_out == ["/ns/node name: byte[]"]
-    assert text.endswith("name: 1\n")
+def test_names_are_quoted_and_what_a_file_cannot_hold_is_said(tmp_path: Path) -> None:
+    names = ["a.b", "x: y", "[z]", "#1"]  # which YAML would read otherwise
+    parameters = [Parameter("/node", name, "integer", 1, 1) for name in names]
+    odd = [one("byte[]", [b"x"]), Parameter("/wheels", "ids", "integer[]", [], [1, 2])]
+    text, left_out = save_load.dump([*parameters, *odd])
+    (tmp_path / "saved.yaml").write_text(text)
+    assert [override.name for override in read(tmp_path / "saved.yaml")] == names
+    empty = "/wheels ids: an empty list, which ROS reads as not set"
+    assert left_out == ["/ns/node name: byte[]", empty]
 
 
 def test_what_ros2_param_dump_writes_is_planned(tmp_path: Path) -> None:
@@ -100,13 +96,6 @@ def test_a_value_that_cannot_be_is_a_problem_with_its_line(
     assert plan.problems == (f"{file}:4: motor_controller {name}: {said}",)
 
 
-def test_a_whole_number_is_a_double_where_one_is_needed(tmp_path: Path) -> None:
-    file = tmp_path / "whole.yaml"
-    file.write_text("/**:\n  ros__parameters:\n    max_speed: 1\n")
-    ((parameter, value),) = save_load.plan_load(file, PARAMETERS).changes
-    assert (parameter.name, value, type(value)) == ("max_speed", 1.0, float)
-
-
 @pytest.mark.parametrize("text", ["{", "just words", "\x00", "a: b"])
 def test_what_is_no_parameter_file_is_one_line(tmp_path: Path, text: str) -> None:
     file = tmp_path / "no.yaml"
@@ -126,25 +115,19 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     assert file.read_text() == "old"
     save_load.write_atomically(file, "new")
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o600)
-    assert list(tmp_path.iterdir()) == [file]
-
-
-def test_of_two_lines_for_one_parameter_the_later_one_counts(tmp_path: Path) -> None:
-    file = tmp_path / "f.yaml"
-    file.write_text(
-        "/**:\n  ros__parameters:\n    name: 2.0\n/ns/node:\n  ros__parameters:\n    name: 3.0\n"
-    )
-    plan = save_load.plan_load(file, [one("double", 1.0)])
-    assert [value for _, value in plan.changes] == [3.0]
-
-
-def test_nothing_but_the_file_is_left_behind(tmp_path: Path) -> None:
-    save_load.write_atomically(tmp_path / "f.yaml", "a: 1\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["f.yaml"]
     (tmp_path / "folder").mkdir()
     with pytest.raises(ArchoError):
         save_load.write_atomically(tmp_path / "folder", "a: 1\n")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["f.yaml", "folder"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "kept.yaml"]
+
+
+def test_of_two_lines_the_later_one_counts_and_a_whole_number_is_a_double(tmp_path: Path) -> None:
+    file = tmp_path / "f.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n    name: 2.0\n/ns/node:\n  ros__parameters:\n    name: 3\n"
+    )
+    ((_, value),) = save_load.plan_load(file, [one("double", 1.0)]).changes
+    assert (value, type(value)) == (3.0, float)
 
 
 def test_a_place_that_is_no_file_is_one_line(tmp_path: Path) -> None:
@@ -169,7 +152,9 @@ def test_a_file_that_would_hang_or_exhaust_is_one_line(tmp_path: Path) -> None:
         assert str(caught.value).startswith(f"{path}{said}")
 
 
-def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
+def test_a_link_stays_and_a_new_file_is_as_the_umask_leaves_it(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "there").mkdir()
     file, link = tmp_path / "there" / "real.yaml", tmp_path / "link.yaml"
     file.write_text("old")
@@ -179,19 +164,9 @@ def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
     assert link.is_symlink()
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o640)
     assert [path.name for path in (tmp_path / "there").iterdir()] == ["real.yaml"]
-
-
-def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path: Path) -> None:
     before = os.umask(0o027)
     try:
         save_load.write_atomically(tmp_path / "new.yaml", "x")
     finally:
         os.umask(before)
     assert (tmp_path / "new.yaml").stat().st_mode & 0o777 == 0o640
-
-
-def test_an_empty_list_is_left_out_and_said() -> None:
-    ids = Parameter("/wheels", "ids", "integer[]", [], [1, 2])
-    text, left_out = save_load.dump([ids])
-    assert text == ""
-    assert left_out == ["/wheels ids: an empty list, which ROS reads as not set"]

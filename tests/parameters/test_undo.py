@@ -6,6 +6,8 @@ import asyncio
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.station.undo import LIMIT, UndoList
@@ -33,56 +35,43 @@ class Robot:
         return Outcome(Code.DONE, "done")
 
 
-async def test_a_change_that_was_refused_cannot_be_undone() -> None:
-    robot: Any = Robot()
+@pytest.fixture
+def robot() -> Any:
+    return Robot()
+
+
+async def test_a_change_that_was_refused_cannot_be_undone(robot: Any) -> None:
     edits = UndoList()
     robot.refuses = True
     assert not (await edits.set_parameters(robot, "/n", {"p": 1})).ok
     assert edits.last is None
     assert (await edits.undo(robot)).text == "nothing to undo"
+    robot.refuses = False
+    await edits.set_parameters(robot, "/n", {"p": 1})
+    robot.refuses = True
+    assert not (await edits.undo(robot)).ok
+    robot.refuses = False  # What cannot be undone now can be undone later.
+    assert (await edits.undo(robot)).ok
+    assert robot.value == 0
 
 
-async def test_a_change_is_under_way_until_it_is_answered() -> None:
-    robot: Any = Robot()
-    edits, answer = UndoList(), asyncio.Event()
-    robot.answer = answer
-    change = asyncio.create_task(edits.set_parameters(robot, "/n", {"p": 1}))
-    await asyncio.sleep(0)
-    assert (edits.is_changing, edits.last) == (True, None)
-    answer.set()
-    await change
-    assert not edits.is_changing
-    assert edits.last is not None
-
-
-async def test_changes_that_overlap_are_undone_one_by_one() -> None:
-    robot: Any = Robot()
+async def test_changes_are_under_way_until_answered_and_are_undone_one_by_one(robot: Any) -> None:
     edits, answer = UndoList(), asyncio.Event()
     robot.answer = answer
     changes = [
         asyncio.create_task(edits.set_parameters(robot, "/n", {"p": value})) for value in (1, 2)
     ]
     await asyncio.sleep(0)
+    assert (edits.is_changing, edits.last) == (True, None)
     answer.set()
     await asyncio.gather(*changes)
+    assert not edits.is_changing
     for value in (1, 0):
         assert (await edits.undo(robot)).ok
         assert robot.value == value
 
 
-async def test_what_cannot_be_undone_now_can_be_undone_later() -> None:
-    robot: Any = Robot()
-    edits = UndoList()
-    await edits.set_parameters(robot, "/n", {"p": 1})
-    robot.refuses = True
-    assert not (await edits.undo(robot)).ok
-    robot.refuses = False
-    assert (await edits.undo(robot)).ok
-    assert robot.value == 0
-
-
-async def test_as_many_changes_as_are_kept_are_undone() -> None:
-    robot: Any = Robot()
+async def test_as_many_changes_as_are_kept_are_undone(robot: Any) -> None:
     edits = UndoList()
     for value in range(1, LIMIT + 51):
         await edits.set_parameters(robot, "/n", {"p": value})
@@ -92,8 +81,7 @@ async def test_as_many_changes_as_are_kept_are_undone() -> None:
     assert (undone, robot.value) == (LIMIT, 50)
 
 
-async def test_of_equal_changes_the_last_one_is_undone() -> None:
-    robot: Any = Robot()
+async def test_of_equal_changes_the_last_one_is_undone(robot: Any) -> None:
     edits = UndoList()
     for value in (1, 0, 1):
         await edits.set_parameters(robot, "/n", {"p": value})
@@ -104,8 +92,7 @@ async def test_of_equal_changes_the_last_one_is_undone() -> None:
     assert edits.last is None
 
 
-async def test_a_change_that_is_not_the_last_one_any_more_is_not_undone() -> None:
-    robot: Any = Robot()
+async def test_a_change_that_is_not_the_last_one_any_more_is_not_undone(robot: Any) -> None:
     edits = UndoList()
     await edits.set_parameters(robot, "/n", {"p": 1})
     asked = edits.last
@@ -117,8 +104,7 @@ async def test_a_change_that_is_not_the_last_one_any_more_is_not_undone() -> Non
     assert robot.value == 1
 
 
-async def test_what_a_node_that_left_has_no_more_is_not_set() -> None:
-    robot: Any = Robot()
+async def test_what_a_node_that_left_has_no_more_is_not_set(robot: Any) -> None:
     edits = UndoList()
     robot.has_left = True
     outcome = await edits.set_parameters(robot, "/n", {"p": 1})

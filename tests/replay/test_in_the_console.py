@@ -97,6 +97,8 @@ def test_stop_is_for_the_robot_and_leads_back(playing: Callable[..., Terminal]) 
     terminal.resize(40, 10)
     terminal.until(lambda: "^x STOP" in terminal.text)  # Of the live robot, at any size.
     terminal.write("\x18")
+    terminal.until("✗ STOPPED")
+    terminal.resize(120, 36)  # There is room for what was said meanwhile.
     terminal.until("STOP: confirmed")
     terminal.until("shelf 7 aborted")
 
@@ -107,17 +109,6 @@ def test_a_stop_is_sent_to_the_console_as_it_is_counted(monkeypatch: pytest.Monk
         monkeypatch.setenv(CONSOLE_SOCKET, str(its.fileno()))
         ConsoleStops().register()
         assert console.recv(1) == STOP
-
-
-def test_a_grave_alarm_leads_back(
-    playing: Callable[..., Terminal], here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (here / "fragile.py").write_text(CRASHES)
-    terminal = playing("--node", "fragile.py")
-    (here / "crash").touch()
-    terminal.until("NODE CRASHED")
-    terminal.until("MOVING to 7")
-    terminal.until("\x07")
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -146,7 +137,7 @@ def test_keys_typed_as_it_opens_and_behind_its_end_reach_no_robot(
     assert terminal.exit_code() == 0
 
 
-def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
+def test_a_grave_alarm_leads_back_and_a_stop_pressed_meanwhile_is_sent(
     playing: Callable[..., Terminal], here: Path
 ) -> None:
     (here / "fragile.py").write_text(CRASHES)
@@ -159,6 +150,8 @@ def test_a_stop_pressed_as_an_alarm_ends_it_is_sent(
     terminal.write("\x18")
     os.kill(replay, signal.SIGCONT)
     terminal.until("STOP: confirmed")
+    terminal.until("NODE CRASHED")
+    terminal.until("\x07")
 
 
 def test_a_stop_pressed_as_the_console_ends_is_sent(playing: Callable[..., Terminal]) -> None:

@@ -34,16 +34,10 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-async def test_the_story_is_told_line_by_line() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("MOVING to 12")
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        path = await written(op)
-    bag_file = BagFile(path)
+async def test_the_story_is_told_line_by_line(drive: Path) -> None:
+    bag_file = BagFile(drive)
     head, *told = report_lines(bag_file, load_robot_file(bag_file, ""))
-    assert head.startswith(f"{path.name}: ARCHO, 2023-11-14 22:13:20, ")
+    assert head.startswith(f"{drive.name}: ARCHO, 2023-11-14 22:13:20, ")
     said = [line.partition("  ")[2] for line in told]
     for wanted in (
         "YOU console: go to shelf 12: accepted",
@@ -71,24 +65,7 @@ def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_pa
     ]
 
 
-async def test_without_a_name_the_newest_is_meant() -> None:
-    async with console(*LONG) as op:
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        await written(op)
-    path = store.list_recordings(state_file("recordings"))[
-        -1
-    ].folder  # more may be written at its end
-    older = path.with_name("an_older_one")
-    shutil.copytree(path, older)
-    said = (older / "metadata.yaml").read_text(encoding="utf-8")
-    (older / "metadata.yaml").write_text(said.replace("17000000", "16000000"), encoding="utf-8")
-    assert find_recording("") == path
-    assert find_recording("an_older_one") == older
-    assert find_recording(str(older)) == older
-
-
-async def test_a_replay_opens_five_seconds_before_what_triggered_the_recording() -> None:
+async def test_without_a_name_the_newest_is_meant_and_opens_before_its_trigger() -> None:
     async with console(*LONG) as op:
         await op.at(clock.seconds() + 20.0)
         await op.press("ctrl+x")
@@ -99,6 +76,14 @@ async def test_a_replay_opens_five_seconds_before_what_triggered_the_recording()
     opens = opening_time(path, bag_file.start)
     assert opens > bag_file.start + 5.0
     assert abs(opens - (pressed - 5.0)) < 1.0
+    path = store.list_recordings(state_file("recordings"))[-1].folder  # one more at its end
+    older = path.with_name("an_older_one")
+    shutil.copytree(path, older)
+    said = (older / "metadata.yaml").read_text(encoding="utf-8")
+    (older / "metadata.yaml").write_text(said.replace("17000000", "16000000"), encoding="utf-8")
+    assert find_recording("") == path
+    assert find_recording("an_older_one") == older
+    assert find_recording(str(older)) == older
 
 
 @pytest.mark.parametrize("at", ["", "soon", "-1", "9" * 30, "1"])
@@ -155,57 +140,33 @@ def test_the_robot_is_as_the_recording_says_unless_another_file_is_given(tmp_pat
     assert load_robot_file(BagFile(folder), str(other)).name == "OTHER"
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ([], "no recordings in "),
-        (["nothing"], "no recordings in "),
-        (["/nowhere/at/all"], "/nowhere/at/all"),
-        (["n" * 300], "no recordings in "),
-        (["/" + "n" * 300], "File name too long"),
-    ],
-)
-def test_what_is_not_there_is_one_line(
-    given: list[str], said: str, capsys: pytest.CaptureFixture[str]
+def test_what_cannot_be_replayed_is_one_line(
+    here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["replay", "--text", *given]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert said in err
-    assert err.count("\n") == 1
-
-
-def test_a_bag_without_a_message_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path, [], {})
-    assert cli.main(["replay", "--text", str(tmp_path)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err == f"archo-tui: {tmp_path}: no message is in it\n"
-
-
-def test_without_a_terminal_there_is_the_text(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["replay"]) == 2
-    assert capsys.readouterr().err.endswith("run archo-tui in one, or use --text\n")
-
-
-def test_a_name_that_is_wrong_says_where_the_names_are(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    folder = state_file("recordings") / "one"
-    folder.mkdir(parents=True)
-    write(folder, drain(seconds=2), {})
-    assert cli.main(["replay", "--text", "two"]) == 2
-    assert "no recording is called two (see archo-tui recordings)" in capsys.readouterr().err
-
-
-def test_a_robot_file_in_it_that_is_wrong_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path, drain(seconds=2), {}, **{"robot.yaml": "name: [\n"})
-    assert cli.main(["replay", "--text", str(tmp_path)]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    for name, heard, attached in (("empty", [], ""), ("wrong", drain(seconds=2), "name: [\n")):
+        (here / name).mkdir()
+        write(here / name, heard, {}, **{"robot.yaml": attached})
+    folder = state_file("recordings")
+    for is_one_there in (False, True):
+        unknown = "no recording is called {} (see archo-tui " if is_one_there else "no recordings "
+        for words, said in (
+            (["--text"], "no recordings "),
+            (["--text", "two"], unknown.format("two")),
+            (["--text", "n" * 300], unknown.format("n" * 300)),
+            (["--text", "/nowhere/at/all"], "/nowhere/at/all"),
+            (["--text", "/" + "n" * 300], "File name too long"),
+            (["--text", "./empty"], "empty: no message is in it\n"),
+            (["--text", "./wrong"], "robot.yaml"),
+            ([], "run archo-tui in one, or use --text\n"),
+        ):
+            if not is_one_there or words != ["--text"]:
+                assert cli.main(["replay", *words]) == 2
+                out, err = capsys.readouterr()
+                assert (out, err.count("\n")) == ("", 1)
+                assert said in err
+        if not is_one_there:
+            (folder / "one").mkdir(parents=True)
+            write(folder / "one", drain(seconds=2), {})
 
 
 FAILS = """

@@ -7,6 +7,7 @@ import math
 import re
 import threading
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,9 @@ from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.player import Player
-from archo_tui.robot_file import load
+from archo_tui.robot.state.events import Event
 from tests.replay.recorded import replay
+from tests.support.archo import ARCHO
 from tests.support.bags import received, write
 from tests.support.night import corners
 from tests.support.stub import StandingClock
@@ -29,16 +31,7 @@ from tests.support.waiting import DEADLINE, wait_until
 
 BEGIN = 1_700_000_000
 HELD = 600  # messages of a slow bag that are read at once
-EVENT = {
-    "time": BEGIN,
-    "level": "WARN",
-    "source": "motor",
-    "text": "hot",
-    "command": "",
-    "count": 2,
-    "first": BEGIN,
-    "number": 1,
-}
+EVENT = asdict(Event(BEGIN, "WARN", "motor", "hot", "", 2, BEGIN, 1))
 GOAL = {
     "kind": {"id": "go", "title": "Go", "action": "move_to_shelf", "type": "x/action/Y"},
     "fields": {"shelf_number": 12},
@@ -114,7 +107,7 @@ class SlowBag(BagFile):
 def test_of_what_is_not_read_yet_nothing_is_said(tmp_path: Path) -> None:
     write(tmp_path, drain(seconds=600), {})
     bag_file = SlowBag(tmp_path)
-    player = Player(bag_file, load.load(load.default_path()), StandingClock())
+    player = Player(bag_file, ARCHO, StandingClock())
     player.go_to(BEGIN + 9.5)
     wait_until(lambda: not player.is_reading)
     assert player.view().snapshot.battery.percentage == 25.5
@@ -201,7 +194,7 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
         hours.append(received((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
     write(tmp_path, sorted(hours, key=lambda one: one.time), {})
-    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
+    player = Player(BagFile(tmp_path), ARCHO, StandingClock())
     wait_until(lambda: player.is_complete)
     for second in (599, 3, 250, 251, 0, 400):
         player.go_to(BEGIN + second + 0.5)
@@ -219,15 +212,10 @@ def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
 ) -> None:
     monkeypatch.setattr(bag_reader, *limit)
     write(tmp_path, drain(seconds=3600), {})
-    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
+    player = Player(BagFile(tmp_path), ARCHO, StandingClock())
     wait_until(lambda: not player.is_reading)
     player.go_to(player.start + 3000.0)
-
-    def is_shown() -> bool:
-        player.refresh()
-        return player.snapshot().battery.received is not None
-
-    wait_until(is_shown)
+    wait_until(lambda: player.refresh() or player.snapshot().battery.received)  # type: ignore[func-returns-value]
     assert player.snapshot().motion.count == 3000
 
 
@@ -239,7 +227,7 @@ def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_p
     ]
     write(tmp_path, hours, {})
     clock = StandingClock()
-    player = Player(BagFile(tmp_path), load.load(load.default_path()), clock)
+    player = Player(BagFile(tmp_path), ARCHO, clock)
     wait_until(lambda: player.is_complete)
     player.go_to(player.start + 3595.0)
     player.play(on=True)

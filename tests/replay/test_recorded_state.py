@@ -194,25 +194,12 @@ def test_the_robot_is_in_the_namespace_of_most_of_its_topics(
     assert state.snapshot.namespace == namespace
 
 
-TWO_KINDS = """
-version: 1
-name: Base
-goals:
+KIND = """
   - {id: there, title: Go there, noun: shelf, action: move_to_shelf,
      type: archo_interfaces/action/MoveToShelf, form: {shelf_number: {label: Shelf}},
-     remaining: {field: distance_remaining}}
-  - {id: back, title: Go back, noun: shelf, action: move_to_shelf,
-     type: archo_interfaces/action/MoveToShelf, form: {shelf_number: {label: Shelf}},
-     remaining: {field: distance_remaining}}
-stop: none
-"""
+     remaining: {field: distance_remaining}}"""
+TWO_KINDS = f"version: 1\nname: Base\ngoals:{KIND}{KIND.replace('there', 'back')}\nstop: none\n"
 FEEDBACK = "/move_to_shelf/_action/feedback"
-
-
-@pytest.fixture
-def two_kinds(here: Path) -> RobotFile:
-    (here / "base.yaml").write_text(TWO_KINDS)
-    return load.load(here / "base.yaml")
 
 
 def feedback(number: int, left: float) -> Any:
@@ -234,22 +221,16 @@ def left(state: ReplayState) -> float | None:
     return state.snapshot.goal.remaining
 
 
-@pytest.mark.parametrize("place", [0, 1])
-def test_of_two_kinds_of_goal_on_one_action_each_has_its_feedback(
-    place: int, two_kinds: RobotFile
+@pytest.mark.parametrize(("one", "other"), [(0, 0), (1, 0), (0, 1)])
+def test_of_two_goals_on_one_action_each_has_its_own_feedback(
+    one: int, other: int, here: Path
 ) -> None:
-    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""})
-    kind = two_kinds.goals[place]
-    shows(state, Goal(kind, {"shelf_number": 7}, Phase.MOVING, 1.0, SINCE, id="01" * 16), 1.0)
-    state.apply(SINCE + 2.0, FEEDBACK, feedback(1, 6.5))
-    assert left(state) == 6.5
-
-
-def test_of_two_goals_at_once_each_has_its_own_feedback(two_kinds: RobotFile) -> None:
-    state = ReplayState(two_kinds, {FEEDBACK: "", STATE: ""})
-    kind = two_kinds.goals[0]
-    first = Goal(kind, {"shelf_number": 7}, Phase.MOVING, 1.0, SINCE, number=1, id="01" * 16)
-    second = first._replace(fields={"shelf_number": 8}, number=2, id="02" * 16)
+    (here / "base.yaml").write_text(TWO_KINDS)
+    file = load.load(here / "base.yaml")
+    state = ReplayState(file, {FEEDBACK: "", STATE: ""})
+    fields = {"shelf_number": 7}
+    first = Goal(file.goals[one], fields, Phase.MOVING, 1.0, SINCE, number=1, id="01" * 16)
+    second = first._replace(kind=file.goals[other], number=2, id="02" * 16)
     shows(state, first, 1.0)
     state.apply(SINCE + 2.0, FEEDBACK, feedback(1, 6.5))
     state.apply(SINCE + 2.1, FEEDBACK, feedback(2, 3.5))

@@ -6,62 +6,50 @@ from typing import Any
 
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
-from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
+
+from tests.support.stand_in import Drive
 
 WAY, STEP = 100.0, 1.0  # m
 
 
 class Cart(Node):
-    """Drives 1 m every 0.1 s, wherever it is sent; `drives` is where to."""
+    """Drives 1 m every 0.1 s, wherever it is sent."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("cart", **options)
-        self.drives = 0
-        self.driven = 0  # goals so far
-        self._left = 0.0
-        self._goal: Any = None
-        self._end: Any = None
-        self._battery = self.create_publisher(Float32, "battery_level", 10)
-        self.create_service(EmergencyStop, "emergency_stop", self._on_stop)
-        self.create_service(Trigger, "blink", self._on_blink)
-        ActionServer(
+        self.drive = Drive(
             self,
             MoveToShelf,
             "move_to_shelf",
-            self._execute,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            "distance_remaining",
+            way=WAY,
+            step=STEP,
+            result=lambda how: {"success": how == "succeed", "final_message": how},
+            told=self._tell,
         )
-        self.create_timer(0.1, self._drive)
+        self._battery = self.create_publisher(Float32, "battery_level", 10)
+        self.create_service(EmergencyStop, "emergency_stop", self._on_stop)
+        self.create_service(Trigger, "blink", self._on_blink)
+        self.create_timer(0.1, lambda: self._battery.publish(Float32(data=80.0)))
 
-    def _drive(self) -> None:
-        self._battery.publish(Float32(data=80.0))
-        if self._goal is None or self._end.done():
-            return
-        if self._goal.is_cancel_requested:
-            self._end.set_result("canceled")
-            return
-        self._goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=self._left))
-        self._left -= STEP
-        if self._left < 0.0:
-            self._end.set_result("succeed")
+    @property
+    def driven(self) -> int:
+        """Goals so far."""
+        return len(self.drive.requests)
 
-    async def _execute(self, goal: Any) -> MoveToShelf.Result:
-        self.drives, self.driven = goal.request.shelf_number, self.driven + 1
-        self.get_logger().warning(f"drives to {self.drives}")
-        self._end, self._left, self._goal = Future(executor=self.executor), WAY, goal
-        how = await self._end
-        self._goal, self.drives = None, 0
-        getattr(goal, how)()
-        self.get_logger().warning(f"stands: {how}")
-        return MoveToShelf.Result(success=how == "succeed", final_message=how)
+    @property
+    def drives(self) -> bool:
+        return self.drive.goal is not None
+
+    def _tell(self, how: str) -> None:
+        shelf = self.drive.requests[-1].shelf_number
+        self.get_logger().warning(f"stands: {how}" if how else f"drives to {shelf}")
 
     def _on_stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
-        if self._goal is not None and not self._end.done():
-            self._end.set_result("abort")
+        self.drive.end("abort")
         self.get_logger().warning("stopped once")
         response.success, response.message = True, "Stopped"
         return response

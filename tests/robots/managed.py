@@ -6,9 +6,10 @@ from typing import Any
 
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.task import Future
+
+from tests.support.stand_in import Drive
 
 
 class Navigator(LifecycleNode):
@@ -17,15 +18,16 @@ class Navigator(LifecycleNode):
     def __init__(self, **options: Any) -> None:
         super().__init__("navigator", **options)
         self.is_active, self.may_activate = False, True
-        self._end: Any = None
         self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
-        ActionServer(
+        self.drive = Drive(
             self,
             MoveToShelf,
             "move_to_shelf",
-            self._execute,
-            goal_callback=lambda _: GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            "distance_remaining",
+            way=12.0,
+            step=0.0,
+            accepts=lambda _: self.is_active,
+            result=lambda how: {"success": how == "succeed"},
         )
 
     def hang(self) -> None:
@@ -47,14 +49,3 @@ class Navigator(LifecycleNode):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         self.is_active = False
         return super().on_deactivate(state)
-
-    async def _execute(self, goal: Any) -> MoveToShelf.Result:
-        self._end = Future(executor=self.executor)
-        goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=12.0))
-        await self._end
-        goal.succeed()
-        return MoveToShelf.Result(success=True)
-
-    def arrive(self) -> None:
-        """End the goal."""
-        self._end.set_result(True)

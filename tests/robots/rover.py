@@ -12,11 +12,9 @@ from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
 
+from tests.support.stand_in import Drive
+
 FULL = 4  # POWER_SUPPLY_STATUS_FULL of sensor_msgs/msg/BatteryState
-
-
-def accept(_: Any) -> CancelResponse:
-    return CancelResponse.ACCEPT
 
 
 class Rover(Node):
@@ -24,15 +22,11 @@ class Rover(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("rover", **options)
-        self.heard: list[Any] = []
+        self.drive = Drive(self, GoTo, "go_to", "distance_remaining")
         self.celsius, self.docked, self.speed = 31.5, False, 0.3
         self.is_full, self.turning, self.is_held = False, 0.0, False
-        self._left = 0.0
-        self._goal: Any = None
-        self._end: Any = None
         self._battery = self.create_publisher(Charge, "battery_state", 10)
         self._odometry = self.create_publisher(Odometry, "odom", 10)
-        ActionServer(self, GoTo, "go_to", self._go, cancel_callback=accept)
         ActionServer(self, Dock, "dock", lambda goal: self._dock(goal, True))
         ActionServer(self, Dock, "undock", lambda goal: self._dock(goal, False))
         self.create_timer(0.1, self._tick)
@@ -45,25 +39,13 @@ class Rover(Node):
         self._battery.publish(said)
         odometry = Odometry()
         odometry.angular.z = self.turning
-        odometry.linear.x = self.speed if self._goal is not None else 0.0
+        odometry.linear.x = self.speed if self.drive.goal is not None else 0.0
         self._odometry.publish(odometry)
-        if self._goal is not None:
-            self._goal.publish_feedback(GoTo.Feedback(distance_remaining=self._left))
-            self._left -= 0.0 if self.is_held else 0.5
-            if self._left < 0 or self._goal.is_cancel_requested:
-                self._end.set_result(self._left < 0)
+        self.drive.step = 0.0 if self.is_held else 0.5
 
-    async def _go(self, goal: Any) -> Any:
-        self.heard.append(goal.request.target)
-        self._left, self._goal = 5.0, goal
-        self._end = Future(executor=self.executor)
-        arrived = await self._end
-        self._goal = None
-        if arrived:
-            goal.succeed()
-        else:
-            goal.canceled()
-        return GoTo.Result()
+    @property
+    def heard(self) -> list[Any]:
+        return [request.target for request in self.drive.requests]
 
     def _dock(self, goal: Any, docked: bool) -> Any:
         self.docked = docked
@@ -78,7 +60,13 @@ class Counting(Node):
         super().__init__("counting", **options)
         self.planned: list[Any] = []
         self.inspected: list[Any] = []
-        ActionServer(self, Fibonacci, "fibonacci", self._count, cancel_callback=accept)
+        ActionServer(
+            self,
+            Fibonacci,
+            "fibonacci",
+            self._count,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
         ActionServer(self, Inspect, "inspect", self._inspect)
         self.create_service(Plan, "plan", self._plan)
 

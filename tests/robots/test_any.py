@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from functools import partial
 from typing import Any
 
 import pytest
@@ -18,19 +19,13 @@ from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.messages.types import load_class as load_interface
 from archo_tui.screen.message_form import MessageForm
 from tests.robots.rover import Counting
-from tests.support.console import Console, console
-from tests.support.robot import making
+from tests.support.console import Console, console, console_with
 from tests.support.values import told, values_of
 
 
-@asynccontextmanager
-async def counting(**options: Any) -> AsyncIterator[tuple[Console, Counting]]:
+def counting() -> AbstractAsyncContextManager[tuple[Console, Counting]]:
     """The console with ARCHO's file, and a node that is not ARCHO's."""
-    made: list[Counting] = []
-    async with console(node_makers=[making(made, Counting)], wait=False, **options) as op:
-        await op.until(lambda: "/fibonacci" in op.app.view.snapshot.actions)
-        await op.until(lambda: "/plan" in op.app.view.snapshot.services)
-        yield op, made[-1]
+    return console_with(Counting, "/fibonacci", "/inspect", "/plan")
 
 
 async def form(op: Console, *keys: str) -> MessageForm:
@@ -67,24 +62,6 @@ async def test_fibonacci_is_sent_followed_and_cancelled_in_six_keys_beside_its_v
         assert len(op.app.view.snapshot.history) == 2
 
 
-async def test_a_service_with_nested_messages_and_arrays_is_called() -> None:
-    async with counting() as (op, node):
-        await form(op, "C", *"plan", "enter")
-        await op.press(*"1", "enter")
-        for _ in range(6):
-            await op.press("enter")
-        typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
-        for number, field in enumerate(op.app.screen._message_fields):  # type: ignore[attr-defined]
-            if field.path in typed:
-                op.app.screen._fields[number].value = typed[field.path]  # type: ignore[attr-defined]
-        await op.press("ctrl+s")
-        await op.until("legs 2, route by the wall")
-        request = node.planned[0]
-        assert (request.start.position.x, request.start.orientation.w) == (1.0, 1.0)
-        assert [(point.x, point.y) for point in request.waypoints] == [(1.0, 0.0), (0.0, 2.0)]
-        assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
-
-
 async def test_what_is_typed_into_the_form_of_a_service_is_called_or_said() -> None:
     async with counting() as (op, node):
         await form(op, "C", *"plan", "enter")
@@ -116,6 +93,14 @@ async def test_what_is_typed_into_the_form_of_a_service_is_called_or_said() -> N
             await op.press("ctrl+s")
             await op.until(said)
         assert len(node.planned) == 1
+        typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
+        for path, text in typed.items():
+            screen._fields[places[path]].value = text
+        await op.press("ctrl+s")
+        await op.until("legs 2, route by the wall")
+        request = node.planned[1]
+        assert [(point.x, point.y) for point in request.waypoints] == [(1.0, 0.0), (0.0, 2.0)]
+        assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
 
 
 async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
@@ -157,53 +142,35 @@ async def echoing() -> AsyncIterator[tuple[Console, Echoing, MessageForm]]:
     """The form of that service."""
     if load_interface("depot_interfaces/srv/Echo") is None:
         pytest.skip("depot_interfaces is an older one")
-    made: list[Echoing] = []
-    async with console(node_makers=[making(made, Echoing)], wait=False) as op:
-        await op.until(lambda: "/echo" in op.app.view.snapshot.services)
-        yield op, made[-1], await form(op, "C", *"echo", "enter")
+    async with console_with(Echoing, "/echo") as (op, node):
+        yield op, node, await form(op, "C", *"echo", "enter")
 
 
-async def test_a_prefilled_text_that_is_sent_untouched_is_the_types_defaults() -> None:
-    async with echoing() as (op, node, _):
-        await op.press("ctrl+s")
-        await op.until(lambda: node.asked)
-        assert told(node.asked[0]) == told(type(node.asked[0])())
-
-
-async def test_values_of_every_type_are_typed_sent_and_received_unaltered() -> None:
+async def test_defaults_and_values_of_every_type_are_sent_and_received_unaltered() -> None:
     async with echoing() as (op, node, screen):
-        chance, area = random.Random(24), screen.query_one(TextArea)
-        for number in range(1, 3):
-            values = values_of(load_interface("depot_interfaces/srv/Echo").Request, chance)
-            area.text = block(values)
+        chance, kind = random.Random(24), load_interface("depot_interfaces/srv/Echo").Request
+        for values in (None, values_of(kind, chance), values_of(kind, chance)):
+            if values is not None:  # else the text is sent as it was filled in
+                screen.query_one(TextArea).text = block(values)
             await op.press("ctrl+s")
-            await op.until(lambda number=number: len(node.asked) == number)  # type: ignore[misc]
-            assert told(node.asked[-1]) == told(values)
+            await op.until(lambda: node.asked)
+            assert told(node.asked.pop()) == told(values or kind())
             await op.until(lambda: not isinstance(op.app.screen, MessageForm))
-            await form(op, "C", *"echo", "enter")
-            area = op.app.screen.query_one(TextArea)
+            screen = await form(op, "C", *"echo", "enter")
 
 
 WRONG = [
     ("sample: {i32: 3000000000}", "sample.i32: 3000000000 is not within -2147483648 .. "),
     ("sample: {u8s: [1]}", "sample.u8s: [1] has 1 elements, not 4"),
-    ("sample: {i8: 300}", "sample.i8: 300 is not within -128 .. 127"),
-    ("sample: {f32: 1.0e+39}", "sample.f32: 1.0e+39 is not within -3.402823466e+38 .. "),
-    ("sample: {short_text: abcdefghijkl}", "sample.short_text: abcdefghijkl has 12 char"),
     ("sample: {flags: [yes]}", 'sample.flags[0]: "yes" is not true or false'),
     ("sample: {i32: 1:30}", 'sample.i32: "1:30" is not a whole number'),
-    ("sample: {i32: 1_0}", 'sample.i32: "1_0" is not a whole number'),
-    ("sample: {i32: 1, i32: 2}", "line 1: i32 is given twice"),
     ("sample:\n  <<: {i32: 1}", "there is no field sample.<<"),
     ("sample: &a [*a]", "line 1: aliases (*a) are not read: write it out"),
     ("[" * 9000, "line 1: nested more than 20 deep"),
-    ("sample: {i32: !!int x}", "line 1: not of the kind !!int: x"),
-    (f"sample: {{i32: {'9' * 5000}}}", "line 1: a number of 5000 digits"),
-    ("sample: {f64: 1e999}", "line 1: too large for a number: 1e999"),
 ]
 
 
-async def test_a_text_with_a_wrong_value_stays_and_says_why() -> None:
+async def test_a_text_with_a_wrong_value_stays_says_why_and_is_sent_once_mended() -> None:
     async with echoing() as (op, node, screen):
         area = screen.query_one(TextArea)
         for typed, said in WRONG:
@@ -212,12 +179,8 @@ async def test_a_text_with_a_wrong_value_stays_and_says_why() -> None:
             await op.until(said)
             assert area.text == typed
             assert node.asked == []
-
-
-async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:
-    async with echoing() as (op, node, screen):
         numbers = "{i32: 010, on: false, i64s: [010, 0, -08], f32s: [1e3, .nan, 1]}"
-        screen.query_one(TextArea).text = f"sample: {numbers}"
+        area.text = f"sample: {numbers}"  # which are read as in a field
         await op.press("ctrl+s")
         await op.until(lambda: node.asked)
         sample = node.asked[0].sample
@@ -226,12 +189,8 @@ async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:
 
 
 async def test_where_nothing_is_offered_the_keys_say_so() -> None:
-    async with console(node_makers=[lambda **given: _bare(**given)], wait=False) as op:
+    async with console(node_makers=[partial(Node, "bare")], wait=False) as op:
         await op.press("G")
         await op.until("no action is on the graph")
         await op.press("C")
         await op.until("no service is on the graph")
-
-
-def _bare(**given: Any) -> Any:
-    return Node("bare", **given)

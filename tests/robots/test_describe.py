@@ -17,7 +17,9 @@ from archo_tui.robot_file.load import load
 from archo_tui.verbs import topics
 from tests.robots.cart import Cart
 from tests.robots.test_rover import rover
-from tests.support.console import console
+from tests.support.console import console_with
+
+CART = Path(__file__).with_name("cart.yaml")
 
 
 @pytest.fixture(autouse=True)
@@ -27,9 +29,7 @@ def _short(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.waits
 async def test_the_palette_writes_a_file_that_shows_the_robots_data(here: Path) -> None:
-    cart = Path(__file__).with_name("cart.yaml")
-    async with console(robot=cart, node_makers=[Cart], wait=False) as op:
-        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
+    async with console_with(Cart, "blink", robot=CART) as (op, _):
         await op.press("ctrl+p")
         await op.type("Describe this robot")
         await op.press("enter")
@@ -44,9 +44,8 @@ async def test_the_palette_writes_a_file_that_shows_the_robots_data(here: Path) 
     assert [command.service for command in made.commands] == ["blink"]
     assert made.stop is None
     assert "# stop: {service: emergency_stop}" in path.read_text()
-    async with console(robot=path, node_makers=[Cart], wait=False) as op:
+    async with console_with(Cart, "blink", robot=path) as (op, _):
         await op.until("Go to shelf")
-        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
 
 
 async def test_goals_of_types_that_it_never_saw_get_their_forms(tmp_path: Path) -> None:
@@ -63,9 +62,7 @@ async def test_goals_of_types_that_it_never_saw_get_their_forms(tmp_path: Path) 
 async def test_a_ros_thread_that_answers_too_late_leaves_no_subscription(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    cart = Path(__file__).with_name("cart.yaml")
-    async with console(robot=cart, node_makers=[Cart], wait=False) as op:
-        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
+    async with console_with(Cart, "blink", robot=CART) as (op, _):
         robot = op.session.robot
 
         async def run_too_late(work: Callable[[], Any], _deadline: float) -> None:

@@ -1,9 +1,8 @@
-"""A robot in the field: where it is, and what it reports of its parts."""
+"""A robot in the field: where it is, what it reports of its parts, and how often."""
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
@@ -14,24 +13,20 @@ pytest.importorskip("sensor_msgs")
 pytest.importorskip("nav_msgs")
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.node import Node
+from std_msgs.msg import String
 
 from tests.robots.field import Base
-from tests.support.console import Console, console
+from tests.support.console import Console, console_with
 from tests.support.plain import plain
-from tests.support.robot import making
 
 FILE = Path(__file__).with_name("field.yaml")
 MOTOR = "base: left motor"
 
 
-@asynccontextmanager
-async def field(**options: Any) -> AsyncIterator[tuple[Console, Base]]:
+def field() -> AbstractAsyncContextManager[tuple[Console, Base]]:
     """The console, and the robot's node."""
-    made: list[Base] = []
-    async with console(robot=FILE, node_makers=[making(made, Base)], wait=False, **options) as op:
-        await op.until(lambda: "/diagnostics" in op.app.view.snapshot.offered)
-        await op.until(lambda: op.app.view.snapshot.diagnostics)
-        yield op, made[0]
+    return console_with(Base, "/diagnostics", robot=FILE)
 
 
 async def test_a_part_that_fails_is_an_alarm_and_enter_lists_all_parts() -> None:
@@ -69,7 +64,9 @@ async def test_a_part_that_fails_is_an_alarm_and_enter_lists_all_parts() -> None
 
 
 @pytest.mark.waits
-async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_silent_part_grows_older_is_acknowledged_and_forgotten_by_keys(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     for module in ("archo_tui.robot.state.readings", "archo_tui.verbs.show"):
         monkeypatch.setattr(f"{module}.FORGET_AFTER", 12.0)
     async with field() as (op, node):
@@ -85,11 +82,7 @@ async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.Mo
         assert "forget a silent part" not in op.text
         await op.press("escape", "escape")
         await op.until("diagnostics: motor (left) was forgotten")
-
-
-@pytest.mark.waits
-async def test_a_silent_part_grows_older_and_is_acknowledged_as_it_is_read() -> None:
-    async with field() as (op, node):
+        await op.press("a")  # its alarm is over
         node.parts["base:  fan"] = (DiagnosticStatus.WARN, "slow")
         await op.until("WARN base:")
         station = op.session.station
@@ -107,3 +100,34 @@ async def test_words_tell_pose_and_parts() -> None:
     _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
     assert "x 1.2, y 0.4, 90°, map" in said
     assert "● OK    base: left motor (sn 12): fine" in said
+
+
+class Lidar(Node):
+    """Publishes at 10 Hz, until its rate is set."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("lidar", **options)
+        self.publisher = self.create_publisher(String, "scan", 10)
+        self.timer = self.create_timer(0.1, self.publish)
+
+    def publish(self) -> None:
+        self.publisher.publish(String(data="x"))
+
+    def set_period(self, seconds: float) -> None:
+        self.timer.timer_period_ns = int(seconds * 1e9)
+
+
+@pytest.mark.waits
+async def test_a_topic_that_slows_down_and_ends_is_an_alarm_with_its_numbers(here: Path) -> None:
+    file = here / "robot.yaml"
+    file.write_text("version: 1\nname: robot\ntopics:\n  - {topic: scan, rate: 10}\n")
+    async with console_with(Lidar, robot=file) as (op, node):
+        await op.press("8")
+        await op.until("10.0 of 10 Hz")
+        node.set_period(0.2)
+        await op.until("/scan IS TOO SLOW, 5")
+        node.timer.cancel()
+        await op.until("/scan IS SILENT for")
+        node.set_period(0.1)
+        node.timer.reset()
+        await op.until("10.0 of 10 Hz")

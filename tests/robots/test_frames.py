@@ -18,17 +18,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
-from tests.support.console import console
+from tests.support.console import console_with
 from tests.support.plain import plain
-from tests.support.robot import making
 from tests.support.shells import served, typed
 
-FILE = """
-version: 1
-name: robot
-frames:
-  - {frame: base_link, age: 1.0}
-"""
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -102,13 +95,12 @@ async def test_the_transforms_are_listed_with_what_is_wrong() -> None:
     assert "laser in base_link: static, from one of base, dock\n" in said
 
 
-async def test_a_robot_without_transforms_says_so() -> None:
+async def test_without_transforms_or_their_type_that_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     code, said = await plain("tf\n")
     assert code == 0, said
     assert "no transform: nobody publishes /tf or /tf_static\n" in said
-
-
-async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("archo_tui.robot.topics.frames.load_class", lambda _: None)
     code, said = await plain("tf\n", Base)
     assert code == 0, said
@@ -130,15 +122,14 @@ async def test_a_program_gets_the_frames_as_data() -> None:
 
 @pytest.mark.waits
 async def test_the_dialog_shows_them_as_they_come_and_listens_only_while_it_is_open() -> None:
-    made: list[Base] = []
-    async with console(node_makers=[making(made, Base)], wait=False) as op:
+    async with console_with(Base) as (op, node):
         frames = op.app.station.robot.frames
         await op.press("ctrl+p")
         await op.type("transforms")
         await op.press("enter")
         await op.until("base_link in odom: 10.0 Hz")
         await op.until("laser in base_link: static, from base")
-        made[0].timer.cancel()
+        node.timer.cancel()
         await op.until("base_link in odom: SILENT for")
         await op.press("escape")
         await op.until(lambda: not frames.transforms.frames)
@@ -146,11 +137,10 @@ async def test_the_dialog_shows_them_as_they_come_and_listens_only_while_it_is_o
 
 async def test_a_frame_of_the_robot_file_that_is_not_alive_is_an_alarm(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
-    file.write_text(FILE)
-    made: list[Base] = []
-    async with console(robot=file, node_makers=[making(made, Base)], wait=False) as op:
+    file.write_text("version: 1\nname: robot\nframes:\n  - {frame: base_link, age: 1.0}\n")
+    async with console_with(Base, robot=file) as (op, node):
         await op.until(lambda: "base_link" in op.app.view.snapshot.transforms.frames)
-        made[0].timer.cancel()
+        node.timer.cancel()
         await op.until("FRAME base_link IS SILENT for")
-        made[0].timer.reset()
+        node.timer.reset()
         await op.until("was: FRAME base_link IS SILENT for")

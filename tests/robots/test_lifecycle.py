@@ -6,8 +6,8 @@ import asyncio
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from rclpy.node import Node
@@ -15,23 +15,19 @@ from rclpy.node import Node
 from archo_tui.robot.outcome import Code, data_of
 from archo_tui.robot.state.graph import NodeInfo
 from tests.robots.managed import Navigator
-from tests.support.console import Console, console
+from tests.support.console import Console, console_with
 from tests.support.plain import plain
-from tests.support.robot import making
+from tests.support.ros import begin
 
 FILE = Path(__file__).with_name("managed.yaml")
 
 
 @asynccontextmanager
-async def managed(**options: Any) -> AsyncIterator[tuple[Console, Navigator]]:
+async def managed() -> AsyncIterator[tuple[Console, Navigator]]:
     """The console, and the managed node."""
-    made: list[Navigator] = []
-    async with console(
-        robot=FILE, node_makers=[making(made, Navigator)], wait=False, **options
-    ) as op:
+    async with console_with(Navigator, "move_to_shelf", robot=FILE) as (op, node):
         await op.until("navigator unconfigured")
-        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
-        yield op, made[0]
+        yield op, node
 
 
 async def change(op: Console, *words: str) -> None:
@@ -56,8 +52,8 @@ async def test_its_transitions_are_buttons_in_its_dialog_and_ask() -> None:
         await op.until("lifecycle navigator configure: navigator is inactive")
 
 
-async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
-    async with managed() as (op, _):
+async def test_who_asks_for_its_transitions_is_answered_whatever_it_says() -> None:
+    async with managed() as (op, node):
         robot, go_on = op.session.station.robot, threading.Event()
         robot.thread.submit(go_on.wait)  # So that both questions leave before an answer comes.
         asked = asyncio.gather(*(robot.lifecycle_transitions("/navigator") for _ in range(2)))
@@ -71,19 +67,15 @@ async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
         values = await lifecycle.prepare(station, {"node": "navigator"})  # A short name.
         found = {"node": "/navigator", "state": "unconfigured"}
         assert data_of(await lifecycle.run(station, values)) == found
-
-
-async def test_what_the_node_rejects_is_said() -> None:
-    async with managed() as (op, node):
         await change(op, "configure")
-        node.may_activate = False
-        outcome = await op.session.station.robot.change_lifecycle("/navigator", "activate")
+        node.may_activate = False  # What it rejects is said.
+        outcome = await robot.change_lifecycle("/navigator", "activate")
         assert outcome == (Code.REFUSED, "navigator rejected it, and is inactive")
-        outcome = await op.session.station.robot.change_lifecycle("/navigator", "deactivate")
+        outcome = await robot.change_lifecycle("/navigator", "deactivate")
         assert outcome.code is Code.REFUSED
         assert outcome.text.startswith("not possible in inactive: there are ")
-        assert (await op.session.station.robot.change_lifecycle("/navigator", "shutdown")).ok
-        outcome = await op.session.station.robot.change_lifecycle("/navigator", "activate")
+        await change(op, "shutdown")
+        outcome = await robot.change_lifecycle("/navigator", "activate")
         assert outcome == (Code.REFUSED, "not possible in finalized: there are none")
 
 
@@ -103,38 +95,34 @@ async def test_its_state_is_shown_and_a_transition_under_a_running_goal_asks() -
         )
         assert question is not None
         assert "and /navigator serves move_to_shelf" in question.text
-        node.arrive()
+        begin(node, node.drive.end, "succeed")
         await op.until("✓ ARRIVED")
-
-
-async def test_in_words_it_is_shown_and_asked() -> None:
-    def unmanaged(**options: Any) -> Node:
-        return Node("unmanaged", **options)
-
-    _, said = await plain(
-        "lifecycle navigator\nlifecycle navigator configure\nlifecycle nav\nlifecycle unmanaged\n",
-        robot=FILE,
-        node_makers=[Navigator, unmanaged],
-    )
-    assert "navigator is unconfigured: it can configure, shutdown" in said
-    assert "serves STOP (emergency_stop)" in said
-    assert "no node /nav is on the graph\n" in said
-    assert "/unmanaged is not a managed node\n" in said
-
-
-async def test_a_node_that_no_longer_answers_is_not_shown_as_active() -> None:
-    async with managed() as (op, node):
-        await change(op, "configure", "activate")
-        await op.until("● navigator active")
-        node.hang()
+        node.hang()  # It is not shown as active any more.
         await op.until(", no answer")
         assert "○ navigator" in op.text
-        station = op.session.station
-        told = asyncio.ensure_future(op.app.verbs["lifecycle"].run(station, {"node": "/navigator"}))
+        told = asyncio.ensure_future(verb.run(op.session.station, {"node": "/navigator"}))
         await op.until(told.done)
         outcome = told.result()
         assert outcome.code is Code.TIMEOUT
         assert outcome.text.startswith("no answer from navigator")
+
+
+async def test_in_words_it_is_shown_and_asked_and_no_call_goes_round_the_question() -> None:
+    _, said = await plain(
+        "lifecycle navigator\nlifecycle navigator configure\nlifecycle nav\nlifecycle unmanaged\n"
+        "call /navigator/change_state transition.id=1\nlifecycle navigator\n",
+        robot=FILE,
+        node_makers=[Navigator, partial(Node, "unmanaged")],
+    )
+    assert said.count("navigator is unconfigured: it can configure, shutdown") == 2
+    assert "serves STOP (emergency_stop)" in said
+    assert "no node /nav is on the graph\n" in said
+    assert "/unmanaged is not a managed node\n" in said
+    assert "is a part of the lifecycle of /navigator: type lifecycle /navigator" in said
+    async with managed() as (op, _):
+        await op.press("C", *"change_state", "enter")
+        await op.until("/navigator: type lifecycle /navigator")
+        await op.until("navigator unconfigured")
 
 
 async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
@@ -161,16 +149,3 @@ async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
         go_on.set()
         await op.until("Deactivate")
         assert "Cleanup" not in op.text
-
-
-async def test_no_call_makes_a_transition_without_the_question() -> None:
-    _, said = await plain(
-        "call /navigator/change_state transition.id=1\nlifecycle navigator\n",
-        robot=FILE,
-        node_makers=[Navigator],
-    )
-    assert "is a part of the lifecycle of /navigator: type lifecycle /navigator" in said
-    assert "navigator is unconfigured" in said
-    async with managed() as (op, _):
-        await op.press("C", *"change_state", "enter")
-        await op.until("/navigator: type lifecycle /navigator")

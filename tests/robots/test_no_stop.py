@@ -22,11 +22,12 @@ from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot_file.load import load
 from tests.robots.rover import Rover
-from tests.support.console import console
+from tests.support.console import console, console_with
 from tests.support.plain import operated
 from tests.support.quiet import ended, until
-from tests.support.robot import making, robot
+from tests.support.robot import robot
 from tests.support.shells import served, typed
+from tests.support.stand_in import Made
 
 FILE = Path(__file__).with_name("rover.yaml")
 GO = load(FILE).goals[0]
@@ -77,8 +78,8 @@ class Silent(Node):
 
 
 async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> None:
-    made: list[Silent] = []
-    async with robot(Rover, making(made, Silent), robot=FILE) as it:
+    made = Made(Silent)
+    async with robot(Rover, made, robot=FILE) as it:
         await moving(it)
         await until(lambda: "/asleep" in it.snapshot.actions)
         it.stops.register()
@@ -87,13 +88,13 @@ async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> No
         assert not stop.done()
         outcome = await ended(stop)
         assert outcome.text == f"{NONE}no answer to the cancel in 2 s: /asleep)"
-        assert made[0].asked == 1
-        made[0].awake.set_result(True)
+        assert made.node.asked == 1
+        made.node.awake.set_result(True)
 
 
 async def test_goals_that_wait_are_held_behind_it() -> None:
-    made: list[Rover] = []
-    async with operated(making(made, Rover), robot=FILE) as person:
+    made = Made(Rover)
+    async with operated(made, robot=FILE) as person:
         person.type("go x=1 y=2 yaw=0\ngo x=3 y=4 yaw=0\n")
         await person.until("goal MOVING")
         await person.until("queue: ")
@@ -101,7 +102,7 @@ async def test_goals_that_wait_are_held_behind_it() -> None:
         await person.until(f"failed: stop: {NONE}cancelling 1 goal)")
         await person.until("goal CANCELLED")
         await person.until("held")
-        assert [target.pose.position.x for target in made[0].heard] == [1.0]
+        assert [target.pose.position.x for target in made.node.heard] == [1.0]
         assert await person.end("") == 1
 
 
@@ -123,12 +124,21 @@ async def test_a_shell_and_python_are_told_that_it_was_no_stop() -> None:
         assert f"{NONE}none was cancelled)" in await asyncio.to_thread(stop)
 
 
-async def test_its_panel_names_what_the_key_does_and_nothing_that_releases() -> None:
-    async with console(robot=FILE, node_makers=[Rover], wait=False) as op:
+async def test_its_screen_names_what_the_key_does_and_nothing_that_releases() -> None:
+    async with console_with(Rover, "go_to", robot=FILE) as (op, node):
         await op.until("^x cancel all")
+        assert "no STOP" in op.line(" Rover ")
         assert "Cancel all" in op.line("Cancel all")
         assert "STOP" not in op.text.replace("no STOP", "")
         assert "R release" not in op.text
+        node.is_held = True
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+x")
+        await op.until("Rover has no STOP: use the hardware stop")
+        await op.until("this is not a STOP")
+        await op.until("✗ CANCELLED")
+        assert "STOPPED" not in op.text
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 36)])

@@ -80,13 +80,68 @@ def test_every_part_that_can_be_proposed_is_read_back() -> None:
         )
 
 
-def test_a_topic_without_a_subscription_is_not_called_silent() -> None:
-    silent = Sighting("topic", "/odom", ODOMETRY.types, ("/base",))
-    assert "is a nav_msgs/msg/Odometry, no message came, published by /base" in text(silent)
-    kept = Sighting("topic", "/odom", ODOMETRY.types, ("/base",), values={"x": 1.0})
-    assert "Odometry, too few messages to tell a rate, published by /base" in text(kept)
-    unread = Sighting("topic", "/odom", ODOMETRY.types, ("/base",), was_listened_to=False)
-    assert "is a nav_msgs/msg/Odometry, published by /base" in text(unread)
+SILENT = Sighting("topic", "/odom", ODOMETRY.types, ("/base",))
+BOTH = (*ODOMETRY.types, "std_msgs/msg/Float32")
+FIRST, TRIGGER, SET_BOOL = "/clearpath/base", "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
+
+
+@pytest.mark.parametrize(
+    ("seen", "lines"),
+    [
+        ([SILENT], "# /odom is a nav_msgs/msg/Odometry, no message came, published by /base"),
+        (
+            [replace(SILENT, values={"x": 1.0})],
+            "Odometry, too few messages to tell a rate, published by /base",
+        ),
+        # without a subscription it is not called silent
+        ([replace(SILENT, was_listened_to=False)], "Odometry, published by /base"),
+        (
+            [replace(SILENT, types=BOTH, rate=1.0)],
+            "/odom is a nav_msgs/msg/Odometry (and of std_msgs/msg/Float32), 1.0 Hz",
+        ),
+        ([BATTERY], "without one, ctrl+x cancels every goal instead"),
+        (
+            [service("/tb1/reset_emergency_stop", TRIGGER, goal={})],
+            "# Seen besides, and not described:\n#   service /tb1/reset_emergency_stop",
+        ),
+        (
+            [service("/tb1/estop", "own_msgs/srv/Stop", goal={"engaged": "boolean"})],
+            "say as `request` what is sent: engaged (boolean)",
+        ),
+        # a namespace that reads like a release loses no STOP
+        (
+            [
+                service("/clearpath/emergency_stop", TRIGGER, FIRST),
+                service("/clearpath/emergency_stop/reset", TRIGGER, FIRST),
+            ],
+            "# stop: {service: emergency_stop, release: emergency_stop/reset}",
+        ),
+        *(
+            # a STOP gets the release that has its name and request
+            (
+                [
+                    service("/tb1/emergency_stop", TRIGGER),
+                    service("/tb1/clear_brake_stop", TRIGGER),
+                    service("/tb1/reset_emergency_stop", SET_BOOL),
+                    service("/tb1/halt", TRIGGER),
+                ],
+                lines,
+            )
+            for lines in (
+                "# stop:\n#   service: emergency_stop\n#   release: reset_emergency_stop\n"
+                "#   release_request: {data: true}\n",
+                "# stop: {service: halt}",
+                "#   service /tb1/clear_brake_stop: std_srvs/srv/Trigger",
+            )
+        ),
+        (
+            [Sighting("topic", f"/t{n}", ("own_msgs/msg/X",), ("/n",)) for n in range(500)],
+            "#   and 300 more",
+        ),
+    ],
+)
+def test_the_text_says_what_was_seen(seen: list[Sighting], lines: str) -> None:
+    assert lines in text(*seen)
 
 
 def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
@@ -141,56 +196,15 @@ def test_a_stop_proposal_works_once_it_is_uncommented() -> None:
     assert (stop.release, stop.release_request) == ("e_stop", {"e_stop_on": False})
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
+def test_no_spelling_of_a_stop_makes_it_a_command() -> None:
+    for name in (
         *("emergencyStop", "softStop", "stopmotors", "haltMotors", "E_STOP", "kill_switch"),
         *("panic", "freezeAll", "stopper/lamp"),
-    ],
-)
-def test_no_spelling_of_a_stop_makes_it_a_command(name: str) -> None:
-    stop = service(f"/tb1/{name}", "std_srvs/srv/Trigger")
-    assert not robot(BATTERY, stop).commands
-    assert f"# stop: {{service: {name}}}" in text(BATTERY, stop)
-
-
-def test_a_word_within_another_is_no_kill_switch() -> None:
-    assert robot(service("/tb1/skill", "std_srvs/srv/Trigger")).commands
-
-
-def test_a_namespace_that_reads_like_a_release_loses_no_stop() -> None:
-    seen = [
-        service("/clearpath/emergency_stop", "std_srvs/srv/Trigger", "/clearpath/base"),
-        service("/clearpath/emergency_stop/reset", "std_srvs/srv/Trigger", "/clearpath/base"),
-    ]
-    written = text(*seen)
-    assert "# stop: {service: emergency_stop, release: emergency_stop/reset}" in written
-
-
-def test_a_stop_gets_the_release_that_has_its_name_and_request() -> None:
-    seen = [
-        service("/tb1/emergency_stop", "std_srvs/srv/Trigger"),
-        service("/tb1/clear_brake_stop", "std_srvs/srv/Trigger"),
-        service("/tb1/reset_emergency_stop", "std_srvs/srv/SetBool"),
-        service("/tb1/halt", "std_srvs/srv/Trigger"),
-    ]
-    written = text(*seen)
-    assert (
-        "# stop:\n#   service: emergency_stop\n#   release: reset_emergency_stop\n"
-        "#   release_request: {data: true}\n"
-    ) in written
-    assert "# stop: {service: halt}" in written
-    assert "#   service /tb1/clear_brake_stop: std_srvs/srv/Trigger" in written
-
-
-def test_a_release_without_a_stop_is_listed() -> None:
-    written = text(service("/tb1/reset_emergency_stop", "std_srvs/srv/Trigger", goal={}))
-    assert "# Seen besides, and not described:\n#   service /tb1/reset_emergency_stop" in written
-
-
-def test_a_stop_of_an_own_type_says_which_fields_it_needs() -> None:
-    stop = service("/tb1/estop", "own_msgs/srv/Stop", goal={"engaged": "boolean"})
-    assert "say as `request` what is sent: engaged (boolean)" in text(stop)
+    ):
+        stop = service(f"/tb1/{name}", TRIGGER)
+        assert not robot(BATTERY, stop).commands
+        assert f"# stop: {{service: {name}}}" in text(BATTERY, stop)
+    assert robot(service("/tb1/skill", TRIGGER)).commands  # a word within another
 
 
 def test_a_goal_that_a_robot_below_has_too_is_a_comment() -> None:
@@ -205,15 +219,6 @@ def test_a_goal_that_a_robot_below_has_too_is_a_comment() -> None:
     assert [command.service for command in made.commands] == ["lamp"]
     assert "is it of another robot than /navigate_to_pose? Then leave it out" in written
     assert "  #   action: tb2/navigate_to_pose\n" in written
-
-
-def test_two_types_of_one_topic_are_both_named() -> None:
-    both = Sighting("topic", "/odom", (*ODOMETRY.types, "std_msgs/msg/Float32"), ("/a",), rate=1.0)
-    assert "/odom is a nav_msgs/msg/Odometry (and of std_msgs/msg/Float32), 1.0 Hz" in text(both)
-
-
-def test_without_a_stop_the_file_says_so() -> None:
-    assert "without one, ctrl+x cancels every goal instead" in text(BATTERY)
 
 
 def test_commands_ask_first_since_nobody_knows_what_they_do() -> None:
@@ -255,7 +260,7 @@ def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:
         "/tb1/go_home",
         "own_msgs/action/GoHome",
         goal=fields,
-        feedback={"distance_left": "float"},
+        feedback={"left_wheel_speed": "float", "distance_left": "float"},
         result={"message": "string"},
     )
     (goal,) = robot(found).goals
@@ -276,14 +281,6 @@ def test_of_several_poses_each_label_has_the_name_of_its_pose() -> None:
     labels = [field.label for field in goal.form.values()]
     words = ("x", "y", "yaw")
     assert labels == [f"{name} {word}" for name in ("pose", "pose_behind") for word in words]
-
-
-def test_the_left_wheel_is_not_what_is_left_of_a_goal() -> None:
-    feedback = {"left_wheel_speed": "float", "time_left": "float"}
-    found = action("/spin", "own_msgs/action/Spin", goal={"turns": "int32"}, feedback=feedback)
-    (goal,) = robot(found).goals
-    assert goal.remaining is not None
-    assert goal.remaining.field == "time_left"
 
 
 def test_a_goal_that_needs_a_list_or_an_absent_type_is_listed_only() -> None:
@@ -323,9 +320,3 @@ def test_ids_are_never_the_consoles_own_words_or_the_same_twice() -> None:
         service("/tb1/b/blink", "std_srvs/srv/Trigger"),
     )
     assert sorted(command.id for command in made.commands) == ["blink", "blink_2", "go_2"]
-
-
-def test_very_many_unknown_names_are_counted() -> None:
-    seen = [Sighting("topic", f"/t{n}", ("own_msgs/msg/X",), ("/n",)) for n in range(500)]
-    written = text(*seen)
-    assert "#   and 300 more" in written

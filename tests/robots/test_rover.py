@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +12,17 @@ import pytest
 pytest.importorskip("depot_interfaces")
 
 from tests.robots.rover import Rover
-from tests.support.console import Console, console
+from tests.support.console import Console, console_with
 from tests.support.plain import plain
-from tests.support.robot import making
 from tests.support.shells import raw
+from tests.support.stand_in import Made
 
 FILE = Path(__file__).with_name("rover.yaml")
 
 
-@asynccontextmanager
-async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Console, Rover]]:
+def rover(file: Path = FILE, **options: Any) -> AbstractAsyncContextManager[tuple[Console, Rover]]:
     """The console, and the rover's node."""
-    made: list[Rover] = []
-    async with console(robot=file, node_makers=[making(made, Rover)], wait=False, **options) as op:
-        await op.until(lambda: {"go_to", "dock", "odom"} <= op.app.view.snapshot.offered)
-        yield op, made[-1]
+    return console_with(Rover, "go_to", "dock", "odom", robot=file, **options)
 
 
 @pytest.mark.waits
@@ -83,7 +78,7 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field_beside_what_was_r
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
-async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None:
+async def test_what_is_typed_into_fields_or_as_a_key_is_sent_or_said() -> None:
     async with rover() as (op, node):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
         await op.until("yaw: at most 360, not 400")
@@ -103,11 +98,9 @@ async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None
         assert op.app.main.goal.fields[0].value == "99"
         target = node.heard[1].pose.position
         assert (target.x, target.y) == (123456789.5, 2.0)
-
-
-async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
-    async with rover() as (op, node):
-        await op.press("D")
+        node.is_held = False
+        await op.until("✓ ARRIVED")
+        await op.press("escape", "escape", "D")  # It docks and undocks by keys of its file.
         await op.until("is_docked true")
         await op.until("CHARGING")
         assert node.docked
@@ -116,37 +109,21 @@ async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
         await op.until("undock succeeded: is_docked false")
 
 
-async def test_a_charge_below_a_number_of_the_file_is_low(tmp_path: Path) -> None:
+async def test_numbers_of_the_file_say_what_is_low_and_how_long_the_way_is(tmp_path: Path) -> None:
     file = tmp_path / "rover.yaml"
     link = "{node: bms, parameter: none_such, otherwise: 25.0}"
-    file.write_text(FILE.read_text().replace(link, "80"))
-    async with rover(file) as (op, _):
+    remaining = "remaining: {field: distance_remaining, unit: m"
+    text = FILE.read_text().replace(remaining, f"{remaining}, length: 20")
+    file.write_text(text.replace(link, "80"))
+    async with rover(file) as (op, node):
         await op.until("▲ LOW")
         await op.until("low 80")
         await op.until("LOW BATTERY")
-
-
-async def test_a_way_whose_length_the_file_says_has_its_bar(tmp_path: Path) -> None:
-    file = tmp_path / "rover.yaml"
-    remaining = "remaining: {field: distance_remaining, unit: m"
-    file.write_text(FILE.read_text().replace(remaining, f"{remaining}, length: 20"))
-    async with rover(file) as (op, node):
         node.is_held = True
         await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("The battery is low, 75.0 %. Send all the same?")
+        await op.press("y")
         await op.until("m left of 20.0 m")
-
-
-async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
-    async with rover() as (op, node):
-        assert "no STOP" in op.line(" Rover ")
-        node.is_held = True
-        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
-        await op.until("m left of")
-        await op.press("ctrl+x")
-        await op.until("Rover has no STOP: use the hardware stop")
-        await op.until("this is not a STOP")
-        await op.until("✗ CANCELLED")
-        assert "STOPPED" not in op.text
 
 
 async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path: Path) -> None:
@@ -220,3 +197,57 @@ async def test_what_an_assistant_writes_hides_nothing_and_looks_like_no_other_va
         await op.until('target.frame_id: "map, x 9"')
         assert node.heard == []
         assistant.close()
+
+
+# A file that asks of a type what it does not take: said by line, and nothing is sent.
+GOAL = """version: 1
+goals:
+  - id: navigate
+    title: Go
+    action: go_to
+    type: depot_interfaces/action/GoTo
+    form:
+      target.pose.position.x: {label: x}
+      CHANGED
+    fixed: {FIXED}
+"""
+X, TURN, FRAME = "target.pose.position.x", "target.pose.orientation", "target.frame_id"
+MISFITS = [
+    (f"{FRAME}: {{label: y, low: 1}}", "", 9, f"{FRAME} is string: low and high are for numbers"),
+    (f"{FRAME}: {{label: y, high: 1}}", "", 9, "low and high are for numbers"),
+    (f"{X[:-1]}y: {{convert: yaw}}", "", 9, "is double: convert: yaw is for a quaternion"),
+    (f"{TURN}: {{label: y}}", "", 9, "is depot_interfaces/Quaternion: name one of its fields"),
+    (f"{X[:-1]}y: {{}}", f"{X[:-1]}z: far", 3, "fixed: target.pose.position.z: "),
+    (f"{X[:-1]}y: {{}}", f"{X[:-2]}: {{z: 1}}, {X[:-1]}z: 1", 3, "z is given twice, also by "),
+    (f"{X[:-1]}y: {{}}", f"{TURN}: 3", 3, "fixed: target.pose.orientation: 3 is not the fields of"),
+]
+
+
+def misfit(folder: Path, changed: str, fixed: str) -> Path:
+    file = folder / "robot.yaml"
+    file.write_text(GOAL.replace("CHANGED", changed).replace("FIXED", fixed))
+    return file
+
+
+@pytest.mark.parametrize(("changed", "fixed", "line", "said"), MISFITS)
+async def test_a_form_that_does_not_fit_is_said_and_nothing_is_sent(
+    here: Path, changed: str, fixed: str, line: int, said: str
+) -> None:
+    file = misfit(here, changed, fixed)
+    made = Made(Rover)
+    code, out = await plain("go x=1 y=2\ngo x=1 y=[2]\nstatus\n", made, robot=file)
+    assert code == 1
+    warned = [text for text in out.splitlines() if "WARN console: " in text]
+    assert [text for text in warned if f"{file}:{line}: " in text and said in text], out
+    assert made.node.heard == []
+    assert "Traceback" not in out
+
+
+async def test_the_screen_names_a_range_on_a_text_and_lives(here: Path) -> None:
+    file = misfit(here, *MISFITS[0][:2])
+    async with console_with(Rover, robot=file) as (op, _):
+        await op.until(f"{file}:9: {FRAME} is string: low and high are for numbers")
+        await op.press("g", "1", "enter", *"map", "enter")
+        await op.settle()
+        assert "low and high are for numbers" in op.text
+        assert op.app.view.snapshot.goal is None

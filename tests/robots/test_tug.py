@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,38 +13,24 @@ pytest.importorskip("depot_interfaces")
 from tests.robots.tug import Hauler, Power
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.stand_in import Made
 
 FILE = Path(__file__).with_name("tug.yaml")
 
 
 @asynccontextmanager
-async def tug(**options: Any) -> AsyncIterator[tuple[Console, dict[str, Any]]]:
-    """The console, and the tug's nodes by their names."""
-    made: dict[str, Any] = {}
-
-    def keep(kind: Any) -> Any:
-        def make(**given: Any) -> Any:
-            made[kind.__name__] = kind(**given)
-            return made[kind.__name__]
-
-        return make
-
-    makers = [keep(Power), keep(Hauler)]
-    async with console(robot=FILE, node_makers=makers, wait=False, **options) as op:
+async def tug() -> AsyncIterator[tuple[Console, Power, Hauler]]:
+    """The console, and the tug's nodes."""
+    power, hauler = Made(Power), Made(Hauler)
+    async with console(robot=FILE, node_makers=[power, hauler], wait=False) as op:
         await op.until(lambda: len(op.app.view.snapshot.offered) == 7)
         await op.until("● online")
         await op.until(lambda: op.app.view.snapshot.low_charge == 30.0)
-        yield op, made
-
-
-@pytest.fixture
-def long_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep the tug on its way for 20 s in place of one, until the keys have come."""
-    monkeypatch.setattr("tests.robots.tug.STEP", 0.1)
+        yield op, power.node, hauler.node
 
 
 async def test_it_has_its_name_readings_and_words_is_sent_and_refuses() -> None:
-    async with tug() as (op, _):
+    async with tug() as (op, _, _):
         assert " TUG " in op.line("online")
         await op.until(lambda: "● GOOD 80.0 % 36.5 V" in op.words)
         await op.until("low 30")
@@ -69,9 +54,9 @@ async def test_it_has_its_name_readings_and_words_is_sent_and_refuses() -> None:
         assert [goal.target for goal in op.app.view.snapshot.history] == ["7", "3"]
 
 
-@pytest.mark.usefixtures("long_way")
 async def test_it_is_cancelled_and_halted_on_the_way_and_its_release_asks() -> None:
-    async with tug() as (op, made):
+    async with tug() as (op, _, hauler):
+        hauler.drive.step = 0.1  # It is on its way for 20 s.
         await op.press("g", "3", "enter")
         await op.until("m left of")
         await op.press("ctrl+c")
@@ -84,37 +69,33 @@ async def test_it_is_cancelled_and_halted_on_the_way_and_its_release_asks() -> N
         await op.until("and /hauler serves halt and haul.")
         await op.press("escape", "ctrl+x")
         await op.until("✗ STOPPED")
-        assert made["Hauler"].latched
+        assert hauler.latched
         await op.until("✗ ABORTED")
         await op.press("escape", "R")
         await op.until("Release the stop?")
         await op.press("y")
         await op.until("● IDLE")
-        assert not made["Hauler"].latched
+        assert not hauler.latched
 
 
-@pytest.mark.usefixtures("long_way")
-async def test_its_commands_have_their_keys_and_ask() -> None:
-    async with tug() as (op, made):
+async def test_its_commands_have_their_keys_and_ask_and_a_low_battery_its_own() -> None:
+    async with tug() as (op, power, hauler):
+        hauler.drive.step = 0.1
         await op.press("z")
         await op.until("zero turns: counted from zero")
-        assert made["Hauler"].turns == 0
+        assert hauler.turns == 0
         await op.press("p")
         await op.until("CHARGING")
-        assert made["Power"].filling
+        assert power.filling
         await op.press("p")
         await op.until("unplug: done")
-        assert not made["Power"].filling
+        assert not power.filling
         await op.press("g", "3", "enter")
         await op.until("m left of")
         await op.press("escape", "z")
         await op.until("The robot is on its way to bay 3. Zero turns now?")
-
-
-@pytest.mark.waits
-async def test_a_low_battery_is_an_alarm_with_its_own_key() -> None:
-    async with tug() as (op, made):
-        made["Power"].level = 20.0
+        await op.press("escape")
+        power.level = 20.0
         await op.until("LOW BATTERY 20.0 %: dock the robot, or press p to charge")
         await op.press("a")
         await op.until(lambda: "(a acknowledge)" not in op.text)

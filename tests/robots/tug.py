@@ -7,11 +7,11 @@ from typing import Any
 from depot_interfaces.action import Haul
 from depot_interfaces.msg import CellState, DriveState
 from depot_interfaces.srv import Halt, Plug, Zero
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
-from rclpy.task import Future
 
-TRACK, STEP = 20.0, 2.0  # m
+from tests.support.stand_in import Drive
+
+TRACK = 20.0  # m
 
 
 class Power(Node):
@@ -43,57 +43,36 @@ class Hauler(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("hauler", **options)
         self.declare_parameter("track", TRACK)
-        self.turns, self.left, self.latched = 400, 0.0, False
-        self._goal: Any = None
-        self._end: Any = None
+        self.turns, self.latched = 400, False
+        words = {"succeed": "at the bay", "canceled": "called back", "abort": "halted"}
+        self.drive = Drive(
+            self,
+            Haul,
+            "haul",
+            "to_go",
+            way=TRACK,
+            step=2.0,
+            accepts=self._accepts,
+            result=lambda how: {"words": words[how]},
+        )
         self._publisher = self.create_publisher(DriveState, "wheels", 10)
         self.create_service(Zero, "zero_turns", self._on_zero)
         self.create_service(Halt, "halt", self._on_halt)
         self.create_service(Halt, "unhalt", self._on_unhalt)
-        ActionServer(
-            self,
-            Haul,
-            "haul",
-            self._execute,
-            goal_callback=self._on_goal,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )
-        self.create_timer(0.1, self._drive)
+        self.create_timer(0.1, self._tell)
 
-    def _drive(self) -> None:
-        moving = self._goal is not None
+    def _tell(self) -> None:
+        moving = self.drive.goal is not None
         said = DriveState(turns=self.turns, velocity=2.0 * moving, rolling=moving)
         said.latched = self.latched
         self._publisher.publish(said)
-        if not moving:
-            return
-        if self.latched or self._goal.is_cancel_requested:
-            self._end.set_result("halted" if self.latched else "called back")
-            return
-        self._goal.publish_feedback(Haul.Feedback(to_go=self.left))
-        if self.left <= 0.0:
-            self._end.set_result("at the bay")
-        self.left -= STEP
-        self.turns += 10
+        self.turns += 10 * moving
 
-    def _on_goal(self, goal: Any) -> GoalResponse:
-        if goal.bay <= 4 and not self.latched:
-            return GoalResponse.ACCEPT
-        self.get_logger().warning("No: latched" if self.latched else f"No: no bay {goal.bay}")
-        return GoalResponse.REJECT
-
-    async def _execute(self, goal: Any) -> Any:
-        self._end = Future(executor=self.executor)
-        self.left, self._goal = TRACK, goal
-        words = await self._end
-        self._goal = None
-        if words == "at the bay":
-            goal.succeed()
-        elif words == "called back":
-            goal.canceled()
-        else:
-            goal.abort()
-        return Haul.Result(words=words)
+    def _accepts(self, goal: Any) -> bool:
+        is_refused = self.latched or goal.bay > 4
+        if is_refused:
+            self.get_logger().warning("No: latched" if self.latched else f"No: no bay {goal.bay}")
+        return not is_refused
 
     def _on_zero(self, request: Any, response: Any) -> Any:
         self.turns = 0
@@ -102,6 +81,7 @@ class Hauler(Node):
 
     def _on_halt(self, request: Any, response: Any) -> Any:
         self.latched = response.halted = True
+        self.drive.end("abort")
         return response
 
     def _on_unhalt(self, request: Any, response: Any) -> Any:

@@ -382,6 +382,10 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     assert shown(board) == "▲ STOPPED: look (last known)   +1 alarm   (a acknowledge)"
     board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 4, 104)
     assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
+    board = AlarmBoard()
+    board.update({STOPPED: "STOPPED AT 12:04: look"}, 0, 100)
+    board.update({}, 1, 101)  # It says from when to when.
+    assert shown(board).startswith("▲ was: STOPPED AT 12:04, since ")
 
 
 def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
@@ -393,13 +397,6 @@ def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
     assert shown(board).endswith(": use the hardware stop   +1 alarm   (a)")
 
 
-def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
-    board = AlarmBoard()
-    board.update({STOPPED: "STOPPED AT 12:04: look"}, 0, 100)
-    board.update({}, 1, 101)
-    assert shown(board).startswith("▲ was: STOPPED AT 12:04, since ")
-
-
 def test_a_stop_that_is_known_to_be_over_is_not_kept_as_last_known() -> None:
     board = AlarmBoard()
     board.update({STOPPED: "stop"}, 0, 100)
@@ -407,15 +404,6 @@ def test_a_stop_that_is_known_to_be_over_is_not_kept_as_last_known() -> None:
         board.update({CONTACT_LOST: "lost"}, time, 100 + time, over)
         stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
         assert stopped.is_over == is_over
-
-
-def test_the_text_follows_without_a_new_alarm() -> None:
-    board = AlarmBoard()
-    board.update({STOPPED: "a"}, 0, 100)
-    board.acknowledge(board.all()[0], 101)
-    assert board.update({STOPPED: "b"}, 6, 106) == []
-    (alarm,) = board.all()
-    assert (alarm.text, alarm.acknowledged, alarm.since) == ("b", True, 100)
 
 
 @pytest.mark.parametrize("by", [-90_000, 90_000])
@@ -432,15 +420,18 @@ def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> No
     assert [alarm.state for alarm in board.all()] == [AlarmState.UNACKNOWLEDGED]
 
 
-def test_an_alarm_that_is_gone_is_neither_acknowledged_nor_shelved() -> None:
+def test_the_text_follows_without_a_new_alarm_until_it_is_gone_for_every_key() -> None:
     board = AlarmBoard()
-    board.update({STOPPED: "stop"}, 0, 0)
+    board.update({STOPPED: "a"}, 0, 100)
     seen = board.all()[0]
-    board.acknowledge(seen, 1)
-    board.update({}, 2, 2)
+    board.acknowledge(seen, 101)
+    assert board.update({STOPPED: "b"}, 6, 106) == []
+    (alarm,) = board.all()
+    assert (alarm.text, alarm.acknowledged, alarm.since) == ("b", True, 100)
+    board.update({}, 7, 107)
     assert board.all() == ()
-    assert board.acknowledge(seen, 3) == []
-    assert board.shelve(seen, 3, 3) == []
+    assert board.acknowledge(seen, 108) == []
+    assert board.shelve(seen, 8, 108) == []
     assert board.all() == ()
 
 
@@ -455,50 +446,40 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     assert "press c" not in banner(nobody_charges, 120).plain
 
 
-def test_the_header_of_a_robot_that_moves_on_does_not_say_stopped() -> None:
-    stopped = STATES["motor stopped"]
-    for moves, word in ((False, "✗ STOPPED"), (True, "✗ STILL MOVING")):
-        snapshot = stopped._replace(stop_not_obeyed=moves)
-        view = View(snapshot, NOW, NOW, 0.0, "embedded", "/", History())
-        assert word in header(view, 120).plain
-
-
-def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
-    silent = NORMAL._replace(motion=replace(MOTOR, received=NOW - 4))
-    view = View(silent, NOW, NOW, 0.0, "embedded", "/", History())
-    assert "▲ motor_status silent, 4 s" in header(view, 80).plain
-    assert "online" not in header(view, 80).plain
-    assert "● online" in header(replace(view, snapshot=NORMAL), 80).plain
-
-
-@pytest.mark.parametrize("acknowledged", [True, False])
-def test_a_grave_alarm_that_comes_again_rings_again(acknowledged: bool) -> None:
-    board, bell = AlarmBoard(), AlarmBell()
-    board.update({CONTACT_LOST: "lost"}, 0, 100)
-    assert len(bell.take_new(board.all())) == 1
-    if acknowledged:
-        board.acknowledge(board.all()[0], 101)
-    board.update({CONTACT_LOST: "lost for 2 s"}, 2, 102)
-    assert bell.take_new(board.all()) == []
-    board.update({}, 3, 103)
-    board.update({CONTACT_LOST: "lost"}, 4, 104)  # before anybody looked
-    assert [alarm.name for alarm in bell.take_new(board.all())] == [CONTACT_LOST]
-
-
-def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
-    board, bell = AlarmBoard(), AlarmBell()
-    board.update({CONTACT_LOST: "lost"}, 0, 100)
-    assert len(bell.take_new(board.all())) == 1
-    board.shelve(board.all()[0], 1, 101, "a test")
-    for later, rings in (
-        (2, 0),
-        (597, 0),
-        (SHELF_TIME, 0),
-        (SHELF_TIME + 1, 1),
-        (SHELF_TIME + 2, 0),
+def test_the_header_names_what_is_silent_or_moves_on_while_the_rest_is_well() -> None:
+    stopped, silent = STATES["motor stopped"], replace(MOTOR, received=NOW - 4)
+    for snapshot, word, absent in (
+        (stopped, "✗ STOPPED", "MOVING"),
+        (stopped._replace(stop_not_obeyed=True), "✗ STILL MOVING", "STOPPED"),
+        (NORMAL._replace(motion=silent), "▲ motor_status silent, 4 s", "online"),
+        (NORMAL, "● online", "silent"),
     ):
-        board.update({CONTACT_LOST: "lost"}, later, 100 + later)
-        assert len(bell.take_new(board.all())) == rings
+        said = header(View(snapshot, NOW, NOW, 0.0, "embedded", "/", History()), 120).plain
+        assert word in said
+        assert absent not in said
+
+
+@pytest.mark.parametrize(
+    ("done", "moments"),  # s after it was found: whether it holds, and how often it rings
+    [
+        ("nothing", [(2, True, 0), (3, False, None), (4, True, 1)]),  # before anybody looked
+        ("acknowledge", [(2, True, 0), (3, False, None), (4, True, 1)]),
+        ("shelve", [(597, True, 0), (600, True, 0), (SHELF_TIME + 1, True, 1), (602, True, 0)]),
+    ],
+)
+def test_a_grave_alarm_rings_again_when_it_comes_again_or_its_shelf_ends(
+    done: str, moments: list[tuple[float, bool, int | None]]
+) -> None:
+    board, bell = AlarmBoard(), AlarmBell()
+    board.update({CONTACT_LOST: "lost"}, 0, 100)
+    assert len(bell.take_new(board.all())) == 1
+    if done == "acknowledge":
+        board.acknowledge(board.all()[0], 101)
+    elif done == "shelve":
+        board.shelve(board.all()[0], 1, 101, "a test")
+    for later, holds, rings in moments:
+        board.update({CONTACT_LOST: f"lost for {later} s"} if holds else {}, later, 100 + later)
+        assert rings is None or len(bell.take_new(board.all())) == rings
 
 
 def test_a_command_that_no_node_offers_is_not_advised() -> None:

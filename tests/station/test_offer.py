@@ -6,30 +6,20 @@ from typing import Any
 
 from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.state.snapshot import Snapshot
-from tests.support.clock import NOW
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 OTHER = NORMAL._replace(offered=frozenset(), nodes=(NodeState("/base"),))
 
 
-class Ahead(StandingClock):
-    """It can be set."""
-
-    later = 0.0
-
-    def monotonic(self) -> float:
-        return NOW + self.later
-
-
 def offers(snapshot: Snapshot, seconds: float = 6.0, **options: Any) -> list[str]:
     robot: Any = StubRobot(snapshot)
     said: list[str] = []
     robot.note = lambda level, source, text: said.append(f"{level} {text}")
-    clock = Ahead()
+    clock = StandingClock()
     station = stub_station(robot, clock, **{"attached": True, "file_is_default": True, **options})
     station.on_snapshot(snapshot)
-    clock.later = seconds
+    clock.passed = seconds
     for _ in range(3):
         station.tick()
     return said

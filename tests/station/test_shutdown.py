@@ -6,11 +6,6 @@ import asyncio
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.base.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
@@ -19,9 +14,10 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.support import clock
 from tests.support.archo import go
-from tests.support.console import console
+from tests.support.console import console_with
 from tests.support.quiet import ended, until
 from tests.support.robot import robot as robot_of
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import MOVING, NORMAL, STATES
 
 
@@ -47,10 +43,6 @@ class Robot:
         return Outcome(Code.DONE, "cancelling")
 
 
-def robot(**options: Any) -> Any:
-    return Robot(STATES["motor moving"], **options)
-
-
 RUNNING = STATES["motor moving"]
 
 
@@ -73,7 +65,7 @@ async def test_the_consoles_own_goal_is_cancelled_or_left_as_was_chosen(
 
 
 async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
-    it = robot(answers=False)
+    it: Any = Robot(RUNNING, answers=False)
     before = clock.seconds()
     await ended(let_go(it, clock.current or Clock(), CANCEL, "ended"))
     assert it.said[-1] == "ERROR no answer in 1 s: the goal may be running"
@@ -81,7 +73,8 @@ async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
 
 
 async def test_a_second_signal_does_not_begin_again() -> None:
-    it, codes = robot(), list[int]()
+    it: Any = Robot(RUNNING)
+    codes = list[int]()
     shutdown_ = Shutdown(it, Clock(), CANCEL, codes.append)
     shutdown_.begin(143)
     shutdown_.begin(129)
@@ -91,96 +84,44 @@ async def test_a_second_signal_does_not_begin_again() -> None:
     assert len(it.said) == 1
 
 
-class Late(Node):
-    """Answers to a goal after a while, and drives until it is cancelled."""
-
-    answer, end = GoalResponse.ACCEPT, "canceled"
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("late", **options)
-        self.goals: list[int] = []
-        self.cancelled = 0
-        self.group = ReentrantCallbackGroup()  # time passes while it makes up its mind
-        ActionServer(
-            self,
-            MoveToShelf,
-            "move_to_shelf",
-            self.execute,
-            goal_callback=self.on_goal,
-            cancel_callback=self.on_cancel,
-            callback_group=self.group,
-        )
-        self.create_timer(0.02, lambda: None)  # an awaited future is noticed when something wakes
-
-    async def on_goal(self, request: Any) -> GoalResponse:
-        self.goals.append(request.shelf_number)
-        passed: Future[bool] = Future()
-        timer = self.create_timer(0.3, lambda: passed.set_result(True), self.group)
-        await passed
-        timer.cancel()
-        return self.answer
-
-    def on_cancel(self, request: Any) -> CancelResponse:
-        self.cancelled += 1
-        self.ending.set_result(True)
-        return CancelResponse.ACCEPT
-
-    async def execute(self, goal: Any) -> Any:
-        self.ending: Future[bool] = Future()
-        await self.ending
-        getattr(goal, self.end)()
-        return MoveToShelf.Result(success=self.end == "succeed")
-
-
-def maker(made: list[Late], **changes: Any) -> Any:
-    """Makes a node that is changed so."""
-
-    def make(**options: Any) -> Node:
-        made.append(Late(**options))
-        for name, value in changes.items():
-            setattr(made[-1], name, value)
-        return made[-1]
-
-    return make
+def late(**options: Any) -> Made[StandIn]:
+    """Make a robot that answers to a goal after a while, and drives until it is cancelled."""
+    return Made(StandIn, "late", goals="drive", decides=0.3, **options)
 
 
 @pytest.mark.parametrize(
-    ("answer", "phase", "cancelled"),
-    [(GoalResponse.ACCEPT, Phase.CANCELLED, 1), (GoalResponse.REJECT, Phase.REFUSED, 0)],
+    ("accepts", "phase", "cancelled"),
+    [(True, Phase.CANCELLED, 1), (False, Phase.REFUSED, 0)],
 )
 async def test_a_goal_that_is_not_accepted_yet_is_waited_for_and_cancelled(
-    answer: GoalResponse, phase: Phase, cancelled: int
+    accepts: bool, phase: Phase, cancelled: int
 ) -> None:
-    made: list[Late] = []
-    async with robot_of(maker(made, answer=answer)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot_of(made := late(), offers="move_to_shelf") as it:
+        made.node.accepts = accepts
         going = asyncio.ensure_future(go(it, 12))
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.SENT)
         await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
         assert it.snapshot.goal is not None
-        assert (it.snapshot.goal.phase, made[0].cancelled) == (phase, cancelled)
+        assert (it.snapshot.goal.phase, len(made.node.cancels)) == (phase, cancelled)
         await ended(going)
 
 
 async def test_a_goal_that_has_not_left_yet_when_the_console_ends_never_does() -> None:
-    made: list[Late] = []
-    async with robot_of(maker(made)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot_of(made := late(), offers="move_to_shelf") as it:
         going = asyncio.ensure_future(go(it, 12))
         await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
         await ended(going)
-        assert len(made[0].goals) == made[0].cancelled
+        assert len(made.node.asked) == len(made.node.cancels)
         assert await ended(go(it, 7)) == (Code.CANCELLED, "not sent: the console ends")
-        assert 7 not in made[0].goals
+        assert 7 not in made.node.asked
 
 
 @pytest.mark.parametrize("keys", [[], ["q", "tab", "enter"]])
 async def test_a_goal_that_arrives_as_the_console_ends_is_the_last_that_is_sent(
     keys: list[str],
 ) -> None:
-    made: list[Late] = []
-    async with console(node_makers=[maker(made, end="succeed")], wait=False) as op:
-        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+    made = late(ends="succeed")
+    async with console_with(made, "move_to_shelf") as (op, _):
         await op.press("g", *"12 7", "enter")
         await op.until("MOVING to 12")
         if keys:
@@ -188,16 +129,14 @@ async def test_a_goal_that_arrives_as_the_console_ends_is_the_last_that_is_sent(
         else:
             op.app._ending.begin(143)
         await op.until(lambda: not op.app.is_running)
-        assert made[0].goals == [12]
+        assert made.node.asked == [12]
         goal = op.session.robot.snapshot.goal
         assert goal is not None
         assert (goal.target, goal.phase) == ("12", Phase.ARRIVED)
 
 
 async def test_quitting_cancels_a_goal_that_is_accepted_after_the_question() -> None:
-    made: list[Late] = []
-    async with console(node_makers=[maker(made)], wait=False) as op:
-        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+    async with console_with(late(), "move_to_shelf") as (op, node):
         await op.press("g", *"12", "enter", "q", "tab", "enter")
         await op.until(lambda: not op.app.is_running)
-        assert (made[0].goals, made[0].cancelled) == ([12], 1)
+        assert (node.asked, len(node.cancels)) == ([12], 1)

@@ -7,9 +7,10 @@ import unicodedata
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
+from rclpy.node import Node
 from rich.cells import cell_len
 from textual import events
 from textual.app import App
@@ -28,9 +29,11 @@ from archo_tui.session.options import Options
 from archo_tui.session.session import Session
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
+from tests.support.stand_in import Made
 from tests.support.stub import sized
 from tests.support.waiting import DEADLINE, wait_until
 
+N = TypeVar("N", bound=Node)
 # the keys of all panels, as the footer has them
 PANEL_KEYS = f"1-{len(PANELS)}"
 # the first reading of the battery comes at once, not within a second
@@ -254,3 +257,19 @@ async def console(
             if wait:
                 await operator.ready()
             yield operator
+
+
+@asynccontextmanager
+async def console_with(
+    kind: Callable[..., N], *names: str, **options: Any
+) -> AsyncIterator[tuple[Console, N]]:
+    """The console on a robot of one node, and this node, once all that it offers is seen."""
+    made = Made(kind)
+    async with console(node_makers=[made], wait=False, **options) as op:
+
+        def is_seen() -> bool:
+            seen = op.app.view.snapshot
+            return {*names} <= {*seen.offered, *seen.actions, *seen.services}
+
+        await op.until(is_seen)
+        yield op, made.node

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
@@ -38,7 +38,8 @@ class StandIn(Node):
     """Answers STOP and its release with "yes", "no" or, until it is woken, "nothing".
 
     It serves neither of them if that is "", and goals if these "arrive", or "drive" until they are
-    cancelled. It reports its motion unless that is None, else a battery.
+    cancelled, which `ends` them so. It `decides` about a goal after as many seconds, and rejects
+    it unless it `accepts`. It reports its motion unless that is None, else a battery.
     """
 
     def __init__(
@@ -48,6 +49,8 @@ class StandIn(Node):
         *,
         release: str = "",
         goals: str = "",
+        decides: float | None = None,
+        ends: str = "canceled",
         seconds: float = 0.0,
         feeds: bool = False,
         heeds: bool = True,
@@ -59,10 +62,12 @@ class StandIn(Node):
         self.says, self.releases, self.goals = stop, release, goals
         self.seconds, self.feeds, self.heeds, self.latches = seconds, feeds, heeds, latches
         self.moving, self.stopped, self.is_silent = moving, False, False
+        self.ends, self.accepts, self._decides = ends, True, decides
         self.stops: list[float] = []  # When each was asked for, and so of the cancels.
         self.cancels: list[float] = []
         self.asked_to_release = 0
         self.running: list[Any] = []
+        self.asked: list[int] = []  # The shelves of all goals, and of those that were accepted.
         self.shelves: list[int] = []
         self.awake: Future[bool] = Future()
         self._group = group = ReentrantCallbackGroup()
@@ -80,6 +85,7 @@ class StandIn(Node):
                 "move_to_shelf",
                 self._drive,
                 callback_group=group,
+                goal_callback=self._decide,
                 cancel_callback=self._cancel,
             )
         kind, topic = (
@@ -130,6 +136,12 @@ class StandIn(Node):
         response.success, response.message = says != "no", f"{self.get_name()} {says}"
         return response
 
+    async def _decide(self, request: Any) -> GoalResponse:
+        self.asked.append(request.shelf_number)
+        if self._decides is not None:
+            await self.sleep(self._decides)
+        return GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
+
     def _cancel(self, _: Any) -> CancelResponse:
         self.cancels.append(clock.seconds())
         return CancelResponse.ACCEPT if self.heeds else CancelResponse.REJECT
@@ -143,8 +155,8 @@ class StandIn(Node):
         while not goal.is_cancel_requested:
             await self.sleep(0.1)
         self.running.remove(goal)
-        goal.canceled()
-        return MoveToShelf.Result(final_message="called back")
+        getattr(goal, self.ends)()
+        return MoveToShelf.Result(success=self.ends == "succeed", final_message="called back")
 
     def _tell(self) -> None:
         if self.moving is None:
@@ -153,6 +165,69 @@ class StandIn(Node):
             self.report.publish(MotorStatus(moving=self.moving, emergency_stopped=self.stopped))
         for goal in self.running if self.feeds else ():
             goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
+
+
+class Drive:
+    """An action of a node, which comes a step nearer each 0.1 s until it is there or is ended."""
+
+    def __init__(
+        self,
+        node: Node,
+        kind: Any,
+        name: str,
+        left: str = "",  # the field of its feedback
+        *,
+        way: float = 5.0,
+        step: float = 0.5,
+        accepts: Callable[[Any], object] = lambda _: True,
+        result: Callable[[str], dict[str, Any]] = lambda how: {},
+        told: Callable[[str], object] = lambda how: None,  # "" when it begins
+    ) -> None:
+        self.node, self.kind, self.field = node, kind, left
+        self.way, self.step, self.result, self.told = way, step, result, told
+        self.requests: list[Any] = []
+        self.left, self.goal = 0.0, None
+        self._end: Any = None
+        ActionServer(
+            node,
+            kind,
+            name,
+            self._execute,
+            goal_callback=lambda goal: (
+                GoalResponse.ACCEPT if accepts(goal) else GoalResponse.REJECT
+            ),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+        node.create_timer(0.1, self._step)
+
+    def end(self, how: str) -> None:
+        """End the goal that runs by "succeed", "abort" or "canceled"."""
+        if self.goal is not None and not self._end.done():
+            self._end.set_result(how)
+
+    def _step(self) -> None:
+        goal: Any = self.goal
+        if goal is None or self._end.done():
+            return
+        if goal.is_cancel_requested:
+            self.end("canceled")
+            return
+        if self.field:
+            goal.publish_feedback(self.kind.Feedback(**{self.field: self.left}))
+        self.left -= self.step
+        if self.left < 0.0:
+            self.end("succeed")
+
+    async def _execute(self, goal: Any) -> Any:
+        self.requests.append(goal.request)
+        self._end = Future(executor=self.node.executor)
+        self.left, self.goal = self.way, goal
+        self.told("")
+        how = await self._end
+        self.goal = None
+        getattr(goal, how)()
+        self.told(how)
+        return self.kind.Result(**self.result(how))
 
 
 class Other(Node):

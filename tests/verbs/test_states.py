@@ -9,13 +9,17 @@ import pytest
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs import verbs
-from archo_tui.verbs.as_json import in_line
+from archo_tui.verbs.as_json import in_line, state
 from archo_tui.verbs.verb import TIMEOUT, candidates
-from tests.support.states import NORMAL, STATES
-from tests.support.stub import StandingClock, StubRobot, stub_station
+from tests.support.clock import TIME
+from tests.support.console import screen_text
+from tests.support.quiet import Quiet
+from tests.support.states import MOVING, NORMAL, STATES
+from tests.support.stub import StandingClock, StubRobot, stub_app, stub_station
 
 
 def station_of(snapshot: Snapshot, *hosted: Hosted) -> Station:
@@ -86,6 +90,28 @@ async def test_wait_stopped_ends_when_the_robot_reports_the_stop() -> None:
     assert await waited(rolls, "stopped") is None
 
 
+STILL_RUNNING = STATES["motor stopped"]._replace(still_running_after_stop=("shelf 12",))
+BLIND = NORMAL._replace(
+    file=replace(NORMAL.file, motion=None), motion=Motion(), latch=Latch.HELD, latch_time=TIME
+)
+
+
+async def test_a_robot_whose_goal_runs_on_behind_a_stop_is_not_called_stopped() -> None:
+    assert await waited(STILL_RUNNING, "stopped") is None
+    assert await waited(BLIND, "stopped") is not None
+    driving = BLIND._replace(goal=MOVING)
+    for blind in (driving, driving._replace(still_running_after_stop=("shelf 12",))):
+        assert await waited(blind, "stopped") is None
+    runs = BLIND._replace(goal=MOVING, still_running_after_stop=("shelf 12",))
+    for snapshot in (STILL_RUNNING, runs):
+        assert state(station_of(snapshot))["motion"]["stopped"] is None
+        app = stub_app(snapshot, StandingClock())
+        async with app.run_test(size=(120, 36)):
+            await Quiet(app).settle()
+            assert "✗ STOPPED" not in screen_text(app)
+            assert screen_text(app).count("✗ A GOAL STILL RUNS") == 2  # Above, and in its panel.
+
+
 async def test_of_a_robot_that_reports_no_stop_the_confirmed_one_counts() -> None:
     motion = NORMAL.file.motion
     assert motion is not None
@@ -96,7 +122,6 @@ async def test_of_a_robot_that_reports_no_stop_the_confirmed_one_counts() -> Non
     assert await waited(mute._replace(latch=Latch.HELD), "stopped") is not None
 
 
-STILL_RUNNING = STATES["motor stopped"]._replace(still_running_after_stop=("shelf 12",))
 CRASHED = Hosted("/dashboard", Life.CRASHED, "ZeroDivisionError: division by zero")
 
 
@@ -106,7 +131,7 @@ CRASHED = Hosted("/dashboard", Life.CRASHED, "ZeroDivisionError: division by zer
         (NORMAL, (), "ARCHO 88 % IDLE"),
         (STATES["battery old"], (), "ARCHO -- % IDLE"),
         (NORMAL, (CRASHED,), "ARCHO 88 % IDLE alarm: node crashed /dashboard"),
-        (STILL_RUNNING, (), "ARCHO 88 % STOPPED alarm: moves after stop"),
+        (STILL_RUNNING, (), "ARCHO 88 % A GOAL STILL RUNS alarm: moves after stop"),
         (STATES["battery empty"], (), "ARCHO 0 % IDLE alarm: battery empty"),
     ],
 )

@@ -176,8 +176,17 @@ class Snapshot(NamedTuple):
 
     @property
     def is_at_rest(self) -> bool:
-        """True if the robot reports that it is stopped, or does not move while a STOP holds."""
-        return self.says_stopped or (self.stop_holds and not self.motion.moving)
+        """True if the robot reports that it is stopped, or does not move while a STOP holds.
+
+        Not while a goal runs on behind that STOP: a robot without motion may drive.
+        """
+        is_still = self.says_stopped or (self.stop_holds and not self.motion.moving)
+        return is_still and not self.still_running_after_stop
+
+    @property
+    def runs_on(self) -> bool:
+        """True if a goal still runs although the robot confirmed a STOP, or reports one."""
+        return bool(self.still_running_after_stop) and (self.says_stopped or self.stop_holds)
 
     @property
     def says_stopped(self) -> bool:

@@ -126,7 +126,7 @@ class StopKey(VerbCommand):
 
     def run(self, desk: Desk) -> Work | None:
         stops, snapshot = desk.station.robot.stops, desk.view.snapshot
-        is_stopped = snapshot.says_stopped and not snapshot.stop_not_obeyed
+        is_stopped = snapshot.is_at_rest and snapshot.says_stopped and not snapshot.stop_not_obeyed
         if desk.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
         return super().run(desk)

@@ -24,7 +24,7 @@ from archo_tui.station.conditions import Priority
 from archo_tui.station.view import View
 from archo_tui.text.columns import crop, pad
 from archo_tui.text.goal import remaining_text, running_word
-from archo_tui.text.state import STILL_MOVING, elsewhere_text, fixed_width
+from archo_tui.text.state import STILL_MOVING, STILL_RUNNING, elsewhere_text, fixed_width
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
@@ -77,9 +77,10 @@ def _in_colour(line: Content, doing: str, view: View) -> Content:
     if view.replay:
         line = line.stylize("reverse", 0, len(view.replay) + 1)
     begin = line.plain.rfind(doing) if doing else -1
-    if begin < 0 or not (snapshot.latch is Latch.UNCERTAIN or snapshot.is_at_rest):
+    is_doubtful = snapshot.latch is Latch.UNCERTAIN or snapshot.runs_on
+    if begin < 0 or not (is_doubtful or snapshot.is_at_rest):
         return line
-    is_bad = snapshot.latch is Latch.UNCERTAIN or snapshot.stop_not_obeyed
+    is_bad = is_doubtful or snapshot.stop_not_obeyed
     style = "$bad" if is_bad else "$warn"
     return line.stylize(style, begin, begin + len(doing))
 
@@ -256,6 +257,8 @@ def activity(view: View) -> tuple[str, str]:
         return f"✗ STOP {snapshot.open_stop.answer.value}", ""
     if snapshot.latch is Latch.UNCERTAIN:
         return "✗ STOP NOT CERTAIN", ""
+    if snapshot.runs_on:
+        return (STILL_MOVING if snapshot.stop_not_obeyed else STILL_RUNNING), ""
     if snapshot.is_at_rest:
         return (STILL_MOVING if snapshot.stop_not_obeyed else "✗ STOPPED"), ""
     if goal is None:
