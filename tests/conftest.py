@@ -68,7 +68,7 @@ def unlimited(tmp_path: Path) -> Path:
 
 # these import what Windows lacks, and are all of POSIX
 _POSIX = {
-    *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
+    *("test_terminal", "test_journal", "test_own_interfaces", "test_cli"),
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_save_load", "test_two_processes", "test_kill"),
     *("test_stop_is_final", "test_terminal_keys", "test_walk_with_stops"),

@@ -77,11 +77,6 @@ def marked_tone(tone: str) -> str:
     return f"on {tone}"
 
 
-def plain_text(spans: Spans) -> str:
-    """Return the text of spans without their tones."""
-    return "".join(text for text, _ in spans)
-
-
 def fixed_width(value: float | None, form: str) -> str:
     """Return a number in a format such as `5.1f`, or `--` as wide as 0 would be if it is None."""
     text = format(0.0, form)

@@ -14,8 +14,7 @@ from archo_tui.screen.commands import keymap, registry
 from archo_tui.screen.commands.base import Command, readable_key
 from tests.support.archo import ARCHO
 from tests.support.console import PANEL_KEYS
-from tests.support.states import NORMAL
-from tests.support.stub import stub_app
+from tests.support.front import front
 
 COMMANDS = registry(ARCHO)
 
@@ -153,11 +152,8 @@ def test_a_new_key_that_a_keymap_names_is_kept_or_refused(tmp_path: Path) -> Non
 
 
 async def test_a_command_that_yielded_is_in_the_helps_palette_only_part(tmp_path: Path) -> None:
-    app = stub_app(NORMAL, keys=load(tmp_path, "") | {"history": ""})
-    async with app.run_test(size=(160, 48)) as pilot:
-        await pilot.press("f1", *"history")
-        await pilot.pause()
-        lines = [strip.text for strip in app.screen._compositor.render_strips()]
+    async with front(keys=load(tmp_path, "") | {"history": ""}, size=(160, 48)) as it:
+        lines = (await it.press("f1", *"history")).splitlines()
         titles = [line for line in lines if "In the palette only" in line]
         assert len(titles) == 1
         below = lines[lines.index(titles[0]) + 1]
@@ -165,13 +161,10 @@ async def test_a_command_that_yielded_is_in_the_helps_palette_only_part(tmp_path
 
 
 async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:
-    keys = load(tmp_path, "go: x\nhelp: f2\n")
-    app = stub_app(NORMAL, keys=keys)
-    async with app.run_test(size=(120, 36)) as pilot:
-        await pilot.press("x", "7", "escape", "f2")
-        await pilot.pause()
-        assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
-        assert app.screen is not app.main
-        lines = [strip.text for strip in app.main._compositor.render_strips()]
+    async with front(keys=load(tmp_path, "go: x\nhelp: f2\n")) as it:
+        lines = it.text.splitlines()
         assert f" x Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels  f2 Help" in lines[-1]
         assert any("Press x, type the shelf" in line for line in lines)
+        await it.press("x", "7", "escape", "f2")
+        assert it.main.goal.fields[0].value == "7"
+        assert it.app.screen is not it.main

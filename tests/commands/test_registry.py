@@ -12,16 +12,14 @@ from textual.widgets import Button, Input
 
 from archo_tui import screen
 from archo_tui.screen import commands
-from archo_tui.screen.app import ArchoApp
 from archo_tui.screen.commands import registry
 from archo_tui.screen.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.field import INTEGER
 from tests.support.archo import ARCHO
-from tests.support.console import focused_panel, send
-from tests.support.quiet import Quiet
+from tests.support.front import Front, front
 from tests.support.states import STATES
-from tests.support.stub import StandingClock, StubRobot, stub_app
+from tests.support.stub import StandingClock
 
 COMMANDS = registry(ARCHO)
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
@@ -116,7 +114,7 @@ def test_no_key_of_a_panel_is_one_of_every_panel() -> None:
         assert not KEYS[place].keys() & set(everywhere)
 
 
-async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
+async def go_to(it: Front, place: str) -> int:
     """Bring the app to a place by keys; returns the number of the focused panel, 0 for none."""
     keys = {
         "shelf field": ["g"],
@@ -132,10 +130,8 @@ async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
     }.get(place, [place[-1]])
     if place == "panel 3":
         keys = ["3", "tab"]
-    for key in keys:
-        send(app, key)
-        await quiet.settle()
-    return focused_panel(app) if app.screen is app.main else 0
+    await it.press(*keys)
+    return it.focused_panel if it.app.screen is it.main else 0
 
 
 def works(command: Command, place: str, panel: int) -> bool:
@@ -158,17 +154,15 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
-    app = stub_app(STATES["battery low and moving"], StandingClock())
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
+    async with front(STATES["battery low and moving"], StandingClock()) as it:
+        app = it.app
         for place in PLACES:
             while app.screen is not app.main:
                 app.pop_screen()
             app.main.remove_class("-full")
             while isinstance(app.focused, Input):
-                send(app, "escape")
-                await quiet.settle()
-            panel = await go_to(app, quiet, place)
+                await it.press("escape")
+            panel = await go_to(it, place)
             if isinstance(app.focused, Input) and "shelf" in place:
                 app.focused.value = "5" if "begun" in place else ""
             for command in filter(lambda command: command.key, COMMANDS):
@@ -186,19 +180,16 @@ def test_ids_are_unique_and_every_command_explains_itself() -> None:
 
 
 async def test_what_can_be_clicked_on_names_a_command_in_every_state() -> None:
-    app = stub_app(STATES["normal"], StandingClock(), size=(120, 36))
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
-    known = {f"app.command('{command.id}')" for command in app.registry}
-    async with app.run_test(size=(120, 36)):
+    async with front(clock=StandingClock()) as it:
+        known = {f"app.command('{command.id}')" for command in it.app.registry}
         for state in STATES:
-            robot.put(STATES[state])
-            await Quiet(app).settle()
+            await it.put(STATES[state])
             actions = {
                 segment.style.meta["@click"]
-                for strip in app.screen._compositor.render_strips()
+                for strip in it.strips
                 for segment in strip
                 if segment.style is not None and "@click" in segment.style.meta
             }
-            actions |= {button.action for button in app.query(Button) if button.action}
+            actions |= {button.action for button in it.app.query(Button) if button.action}
             assert "app.command('help')" in actions  # of the footer
             assert actions <= known, state

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
-from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
@@ -19,6 +19,7 @@ from archo_tui.robot.stop.sender import FIRST_FOUND
 from tests.support.clock import seconds
 from tests.support.console import FAST, click, console
 from tests.support.ros import begin
+from tests.support.stand_in import StandIn
 
 
 async def test_an_alarm_that_is_over_stays_until_acknowledged_by_key_or_click() -> None:
@@ -136,25 +137,18 @@ class DrivesOn(Node):
         return MoveToShelf.Result(final_message="Cancelled at last")
 
 
-class NoStop(Node):
-    """Is heard, and serves no STOP."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("no_stop", **options)
-        motion = self.create_publisher(MotorStatus, "motor_status", 10)
-        self.create_timer(0.2, lambda: motion.publish(MotorStatus(moving=True)))
-
-
 async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_once() -> None:
-    async with console(node_makers=[NoStop], wait=False) as op:
+    async with console(node_makers=[partial(StandIn, "no_stop", moving=True)], wait=False) as op:
         await op.until("● online")
         assert "no STOP" in op.line(" ARCHO ")
         await op.at(seconds() + FIRST_FOUND)
+        pressed = seconds()
         await op.press("ctrl+x")
-        await op.settle()
-        assert "✗ STOP NOT SENT" in op.line(" ARCHO ")
+        await op.until(lambda: "✗ STOP NOT SENT" in op.line(" ARCHO "))
         reason = "/emergency_stop is not offered by any node"
         assert f"STOP NOT SENT ({reason}): use the hardware stop" in op.text
+        await op.until(lambda: any(e.level == "YOU" for e in op.app.view.snapshot.events))
+        assert seconds() - pressed < 1.0
         (said,) = (e for e in op.app.view.snapshot.events if e.level == "YOU")
         assert said.text == f"STOP: {reason}: use the hardware stop"
         assert op.text.count(reason) == 2  # in the banner and among the events

@@ -32,19 +32,13 @@ async def test_a_goal_is_typed_driven_and_arrives() -> None:
     assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 
 
-async def test_the_way_left_and_the_time_are_shown_while_it_drives() -> None:
+async def test_the_way_left_is_shown_and_ctrl_c_or_the_button_cancels() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until(lambda: re.search(r"MOVING to 12   9\d\d\.\d m left of 1000\.0 m", op.text))
         await op.until(lambda: re.search(r"so far, about \d+\.?\d* \w+ left", op.text))
         assert "MOVING to 12" in op.text.splitlines()[0]
         await op.until("▶ MOVING")
-
-
-async def test_ctrl_c_or_the_button_cancels_also_while_typing() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("m left of")
         await op.type("7")
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED    Cancelled mid-route, ")

@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 from rclpy.node import Node
-from rclpy.task import Future
-from std_srvs.srv import Trigger
 from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
@@ -19,6 +17,7 @@ from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, PANEL_KEYS, Console, console, key_event
 from tests.support.night import corners
+from tests.support.stand_in import Made, StandIn
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
 
@@ -83,14 +82,6 @@ async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_
         await op.until("reset encoder: Encoder reset to zero")
         await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
-
-
-async def test_letters_are_commands_again_behind_enter() -> None:
-    async with console(*LONG) as op:
-        op.send("g", *"12", "enter", "c")
-        await op.until("MOVING to 12")
-        await op.until("✓  charge")
-        assert op.app.query_one("#goal-0", Input).value == ""
 
 
 async def test_keys_of_dialogs_are_for_them_alone() -> None:
@@ -166,19 +157,24 @@ async def test_keys_of_dialogs_are_for_them_alone() -> None:
         assert op.app.station.restart_blocker == ""
 
 
-async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+async def test_a_dialog_that_is_done_goes_behind_help_and_saves_before_the_end(here: Path) -> None:
+    file = here / "archo_params.yaml"
     async with console(*FAST) as op:
         await op.press("4", "ctrl+s")
         await op.until("ROS parameter file")
         op.send("enter", "f1")
-        await op.until(lambda: (tmp_path / "archo_params.yaml").exists())
+        await op.until(file.exists)
         await op.settle()
         assert "Keys" in op.text
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
+
+        file.unlink()
+        await op.press("4", "ctrl+s")
+        await op.until("ROS parameter file")
+        op.send("enter", "ctrl+q")
+        await op.until(lambda: not op.app.is_running)
+    assert file.exists()
 
 
 async def test_help_lists_every_command_with_its_key() -> None:
@@ -289,40 +285,29 @@ async def test_enter_that_was_held_while_the_screen_stood_still_sets_nothing() -
 
 
 async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_is_held() -> None:
-    class Deaf(Node):
-        """Offers STOP and never answers."""
-
-        def __init__(self, **options: Any) -> None:
-            super().__init__("deaf", **options)
-            self.calls: list[float] = []
-            self.create_service(Trigger, "emergency_stop", self.stop)
-
-        async def stop(self, _: Any, response: Any) -> Any:
-            self.calls.append(seconds())
-            await Future()
-            return response
-
-    async with console(node_makers=[Deaf], wait=False) as op:
+    deaf = Made(StandIn, "deaf", "nothing")
+    async with console(node_makers=[deaf], wait=False) as op:
         await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
         begin = seconds()
         for number in range(40):
             await op.at(begin + 0.03 * number)
             op.send("ctrl+x")
         await op.settle()
-        (deaf,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(deaf, Deaf)
-        assert len(deaf.calls) <= 3
+        assert 1 < len(deaf.node.stops) <= 3
         await op.until("use the hardware stop")
 
 
-async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:
+async def test_help_begins_with_the_state_and_the_field_and_letters_act_behind_enter() -> None:
     async with console(*LONG) as op:
         await op.press("g", "question_mark")
         field = [op.text.index(word) for word in ("Here, in Go to shelf", "Recent goals", "Leave")]
         assert field == sorted(field)
         assert field[-1] < op.text.index("Everywhere")
-        await op.press("escape", *"12 7", "enter")
+        await op.press("escape")
+        op.send(*"12 7", "enter", "c")
         await op.until("MOVING to 12")
+        await op.until("✓  charge")
+        assert op.app.query_one("#goal-0", Input).value == ""
         await op.press("ctrl+x")
         await op.until("held: 7")
         await op.press("question_mark")

@@ -5,17 +5,17 @@ from __future__ import annotations
 import random
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import Any, cast
 
 import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer
+from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.task import Future
 from std_msgs.msg import String
 
 from archo_tui.robot.outcome import Code
@@ -28,6 +28,7 @@ from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.ros import begin
+from tests.support.stand_in import Made, StandIn
 
 ROBOT = [*_robots_nodes(False).values()]
 
@@ -57,15 +58,10 @@ class Other(Node):
 @asynccontextmanager
 async def shared(*ros_args: str) -> AsyncIterator[tuple[Console, Other]]:
     """The console with ARCHO, and another client of it."""
-    made: list[Other] = []
-
-    def other(**options: Any) -> Other:
-        made.append(Other(**options))
-        return made[-1]
-
+    other = Made(Other)
     async with console(*ros_args, node_makers=[*ROBOT, other]) as op:
-        await op.until(made[0].client.server_is_ready)
-        yield op, made[0]
+        await op.until(other.node.client.server_is_ready)
+        yield op, other.node
 
 
 async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> None:
@@ -85,20 +81,15 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
-    made: list[Other] = []
-
-    def other(**options: Any) -> Other:
-        made.append(Other(**options))
-        return made[-1]
-
+    other = Made(Other)
     slow = ("-p", "feedback_period:=0.1", "-p", "route_length:=1000.0")
     async with robot(*ROBOT, other, ros_args=slow) as first:
-        await until(lambda: made[0].client.server_is_ready())
-        made[0].go(7)
+        await until(lambda: other.node.client.server_is_ready())
+        other.node.go(7)
         await until(lambda: first.snapshot.goal and first.snapshot.goal.remaining)
         began = seconds()
         await until(lambda: seconds() > began + 1.5)  # by its age it has not just begun
-        domain = made[0].context.get_domain_id()
+        domain = other.node.context.get_domain_id()
         async with robot(only=True, nodes=4, domain_id=domain) as second:
             await until(lambda: second.snapshot.goal and second.snapshot.goal.remaining)
             goal = second.snapshot.goal
@@ -109,7 +100,7 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
             assert not (await ended(second.send(goal.kind, {"shelf_number": 3}))).ok
             assert not (await ended(second.cancel())).ok  # it has no goal of its own
             assert (await ended(second.cancel(another=True))).ok
-            await until(lambda: made[0].told == [GoalStatus.STATUS_CANCELED])
+            await until(lambda: other.node.told == [GoalStatus.STATUS_CANCELED])
             await until(lambda: second.snapshot.goal and not second.snapshot.goal.is_running)
 
 
@@ -141,6 +132,17 @@ async def test_what_would_touch_another_clients_goal_asks_first() -> None:
         await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
         await op.until("✗ cancelled (another client)")
 
+        other.go(7)
+        await op.until("MOVING (another client's goal)")
+        await op.press("ctrl+p")
+        await op.type("cancel every goal")
+        await op.until("whoever sent it")
+        await op.press("enter")
+        await op.until("other clients' too?")
+        await op.press("y")
+        await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED] * 2)
+        await op.until("cancel every goal: cancelling 1 goal")
+
 
 async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_about() -> None:
     async with shared(*LONG) as (op, other):
@@ -166,36 +168,11 @@ async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_abou
         assert op.app.view.snapshot.running_goal is not None
 
 
-async def test_every_goal_is_cancelled_from_the_palette_after_a_question() -> None:
-    async with shared(*LONG) as (op, other):
-        other.go(12)
-        await op.until("MOVING (another client's goal)")
-        await op.press("ctrl+p")
-        await op.type("cancel every goal")
-        await op.until("whoever sent it")
-        await op.press("enter")
-        await op.until("other clients' too?")
-        await op.press("y")
-        await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
-        await op.until("cancel every goal: cancelling 1 goal")
-
-
 async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> None:
-    class Stubborn(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("stubborn", **options)
-            self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
-            ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-            self.create_timer(0.5, self.go)
-
-        def go(self) -> None:
-            self.client.send_goal_async(MoveToShelf.Goal(shelf_number=1))
-            next(iter(self.timers)).cancel()
-
-        async def execute(self, goal: Any) -> Any:
-            await Future()
-
-    async with console(node_makers=[Stubborn], wait=False) as op:
+    other, stubborn = Made(Other), partial(StandIn, "stubborn", goals="drive", heeds=False)
+    async with console(node_makers=[stubborn, other], wait=False) as op:
+        await op.until(other.node.client.server_is_ready)
+        other.node.go(1)
         await op.until("MOVING (another client's goal)")
         await op.press("ctrl+c", "y")
         await op.until("the robot rejected the cancel")
@@ -203,22 +180,17 @@ async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> Non
 
 
 async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of_forty() -> None:
-    chance, made = random.Random(13), []
-
-    def other(**options: Any) -> Other:
-        made.append(Other(**options))
-        return made[0]
-
+    chance, other = random.Random(13), Made(Other)
     async with robot(*ROBOT, other, ros_args=FAST) as it:
-        await until(lambda: made[0].client.server_is_ready())
+        await until(lambda: other.node.client.server_is_ready())
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         for number in range(40):
-            ours, told = number % 2 == 0, len(made[0].told)
+            ours, told = number % 2 == 0, len(other.node.told)
             before = it.snapshot.history[:1]
             if ours:
                 assert (await ended(go(it, 12))).ok
             else:
-                made[0].go(12)
+                other.node.go(12)
 
             def was_seen(ours: bool = ours, before: tuple[Goal, ...] = before) -> bool:
                 goal = it.snapshot.goal
@@ -238,8 +210,8 @@ async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of
             assert over.mine == ours
             assert not refused or over.phase == Phase.ARRIVED  # before the cancel came
             if not ours:
-                await until(lambda told=told: len(made[0].told) == told + 1)  # type: ignore[misc]
-                succeeded = made[0].told[-1] == GoalStatus.STATUS_SUCCEEDED
+                await until(lambda told=told: len(other.node.told) == told + 1)  # type: ignore[misc]
+                succeeded = other.node.told[-1] == GoalStatus.STATUS_SUCCEEDED
                 assert succeeded == (over.phase == Phase.ARRIVED)
 
 
@@ -272,19 +244,6 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
         assert "by another client" not in op.text
 
 
-@pytest.mark.waits
-async def test_what_no_console_did_is_by_another_client() -> None:
-    async with shared(*FAST) as (op, other):
-        client = other.create_client(EmergencyStop, "emergency_stop")
-        await op.until(client.service_is_ready)
-        client.call_async(EmergencyStop.Request())
-        await op.until("stopped by another client")
-        parameters = AsyncParameterClient(other, "motor_controller")
-        await op.until(parameters.services_are_ready)
-        parameters.set_parameters([Parameter("max_speed", value=0.5)])
-        await op.until("motor_controller max_speed changed by another client: 0.5, was 0.8")
-
-
 class Older(Node):
     """A console that publishes what it does in another form; the log is as it was."""
 
@@ -299,21 +258,16 @@ class Older(Node):
 
 
 async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -> None:
-    made: list[Older] = []
-
-    def older(**options: Any) -> Older:
-        made.append(Older(**options))
-        return made[-1]
-
+    older = Made(Older)
     async with console(*FAST, node_makers=[*ROBOT, older]) as op:
         await op.until("2 consoles")
-        await op.until(made[0].client.service_is_ready)
-        made[0].stop()
+        await op.until(older.node.client.service_is_ready)
+        older.node.stop()
         await op.until("older_lab_1: STOP: confirmed")
         await op.until("stopped by another console")
 
 
-async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> None:
+async def test_what_no_console_did_is_by_another_client_whatever_that_publishes() -> None:
     async with shared(*FAST) as (op, other):
         publisher = other.create_publisher(String, audit_records.TOPIC, 10)
         await op.until(lambda: publisher.get_subscription_count() == 1)
@@ -329,23 +283,22 @@ async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> No
         levels = {event.level for event in op.app.view.snapshot.events}
         assert "ERROR" not in levels
         assert "by nobody" not in op.text
+        parameters = AsyncParameterClient(other, "motor_controller")
+        await op.until(parameters.services_are_ready)
+        parameters.set_parameters([Parameter("max_speed", value=0.5)])
+        await op.until("motor_controller max_speed changed by another client: 0.5, was 0.8")
 
 
 async def test_watching_shows_everything_and_commands_nothing() -> None:
-    made: list[Other] = []
-
-    def other(**options: Any) -> Other:
-        made.append(Other(**options))
-        return made[0]
-
+    other = Made(Other)
     async with console(*LONG, node_makers=[*ROBOT, other], watch=True) as op:
-        await op.until(made[0].client.server_is_ready)
+        await op.until(other.node.client.server_is_ready)
         assert "watching" in op.line(" ARCHO ")
         own = op.session.robot.node
         clients = {client.service_name for client in own.clients}
         assert not any("send_goal" in name or "cancel_goal" in name for name in clients)
         assert not any("emergency_stop" in name or "/set_parameters" in name for name in clients)
-        made[0].go(12)
+        other.node.go(12)
         await op.until("MOVING (another client's goal)")
         await op.until("m left of")
         for key in ("ctrl+x", "r", "ctrl+c", "c"):
@@ -357,5 +310,5 @@ async def test_watching_shows_everything_and_commands_nothing() -> None:
         await op.until("watching only: start archo-tui without --watch")
         assert op.app.screen is op.app.main
         assert not op.app.view.snapshot.motion.stopped
-        assert made[0].told == []
+        assert other.node.told == []
         assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]

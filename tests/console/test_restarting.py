@@ -14,46 +14,37 @@ from archo_tui.base import handover
 from archo_tui.base.handover import Handover
 from archo_tui.robot.clients import Requester
 from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
-from archo_tui.screen.app import ArchoApp
 from archo_tui.session.options import Options
 from archo_tui.session.session import Session
 from archo_tui.station.shutdown import RESTART
 from tests.support import chosen, clock
-from tests.support.console import AT_ONCE, FAST, console, screen_text, send
-from tests.support.quiet import Quiet, until
+from tests.support.console import AT_ONCE, FAST, console
+from tests.support.front import Front, front_of
+from tests.support.quiet import until
 from tests.support.states import MOTOR, NORMAL
-from tests.support.stub import StubRobot, stub_app
 
 HELD = NORMAL._replace(latch=Latch.HELD, motion=replace(MOTOR, stopped=True))
 UNCERTAIN = NORMAL._replace(latch=Latch.UNCERTAIN)
 OPEN = NORMAL._replace(open_stop=OpenStop(0.0))
 
 
-class Saved:
-    """A console with a file that is saved, and the codes with which it begins to end."""
+class Saved(Front):
+    """In front of a console with a file that is saved; the codes with which it begins to end."""
 
-    def __init__(self, app: ArchoApp) -> None:
-        self.app, self.quiet, self.codes = app, Quiet(app), list[int]()
-        app.exit = lambda *_, return_code=0, **__: self.codes.append(return_code)  # type: ignore[method-assign]
-        self.robot: StubRobot = app.station.robot  # type: ignore[assignment]
-        self.events: list[str] = []
-        self.robot.note = lambda _, __, text, **___: self.events.append(text)  # type: ignore[attr-defined]
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.codes, self.events = list[int](), list[str]()
+        self.app.exit = lambda *_, return_code=0, **__: self.codes.append(return_code)  # type: ignore[method-assign]
+        self.robot.note = lambda _, __, text, **___: self.events.append(text)
 
     async def save(self) -> None:
         self.app.station.restart("interfaces were saved")
-        await self.quiet.settle()
-
-    async def press(self, *keys: str) -> str:
-        send(self.app, *keys)
-        await self.quiet.settle()
-        return screen_text(self.app)
+        await self.settle()
 
 
 @pytest.mark.parametrize("stopped", [HELD, UNCERTAIN, OPEN], ids=["held", "uncertain", "open"])
 async def test_a_restart_waits_for_the_release_and_then_for_a_key(stopped: Snapshot) -> None:
-    app = stub_app(NORMAL)
-    async with app.run_test(size=(120, 36)):
-        it = Saved(app)
+    async with front_of(Saved) as it:
         it.robot.put(stopped)
         await it.save()
         assert it.codes == []
@@ -62,8 +53,7 @@ async def test_a_restart_waits_for_the_release_and_then_for_a_key(stopped: Snaps
         assert "5 Nodes   restart waits" in await it.press("5")
         assert "release" in await it.press("ctrl+r")  # Why not now.
         assert it.codes == []
-        it.robot.put(NORMAL)
-        await it.quiet.settle()
+        await it.put(NORMAL)
         assert it.codes == []  # The release itself begins nothing.
         await it.press("ctrl+r")
         assert it.codes == [RESTART]
@@ -71,9 +61,7 @@ async def test_a_restart_waits_for_the_release_and_then_for_a_key(stopped: Snaps
 
 
 async def test_a_stop_that_was_read_and_has_no_answer_keeps_the_console_too() -> None:
-    app = stub_app(NORMAL)
-    async with app.run_test(size=(120, 36)):
-        it = Saved(app)
+    async with front_of(Saved) as it:
         it.robot.stops.register()
         await it.save()
         assert it.codes == []
@@ -81,41 +69,31 @@ async def test_a_stop_that_was_read_and_has_no_answer_keeps_the_console_too() ->
 
 
 async def test_a_stop_while_the_console_begins_to_end_calls_the_restart_off() -> None:
-    app = stub_app(NORMAL)
-    async with app.run_test(size=(120, 36)):
-        it = Saved(app)
+    async with front_of(Saved) as it:
         allowed: list[bool] = []
 
         async def stop_sending_goals() -> None:
             it.robot.snapshot = HELD  # Read, sent and confirmed in this moment.
 
-        def allow_sending_goals() -> None:
-            allowed.append(True)
-
-        robot: Any = it.robot
-        robot.stop_sending_goals, robot.allow_sending_goals = (
-            stop_sending_goals,
-            allow_sending_goals,
-        )
+        it.robot.stop_sending_goals = stop_sending_goals
+        it.robot.allow_sending_goals = lambda: allowed.append(True)
         await it.save()
         assert it.codes == []
         assert allowed == [True]
         assert "the restart waits" in it.events[-1]
-        it.robot.put(NORMAL)
+        await it.put(NORMAL)
         await it.press("5", "ctrl+r")  # And begins again, though it was begun before.
         assert it.codes == []  # Another STOP came.
 
 
 async def test_without_a_stop_a_saved_file_restarts_at_once() -> None:
-    app = stub_app(NORMAL)
-    async with app.run_test(size=(120, 36)):
-        it = Saved(app)
+    async with front_of(Saved) as it:
         assert "restart" not in await it.press("5")
         await it.press("ctrl+r")
         assert it.codes == []  # Nothing waits.
         await it.save()
         assert it.codes == [RESTART]
-        assert "? the console restarts" in screen_text(app)  # Not `online`.
+        assert "? the console restarts" in it.text  # Not `online`.
 
 
 GOALS = tuple(
@@ -172,7 +150,7 @@ def test_what_is_left_is_read_once_and_by_nobody_else(monkeypatch: pytest.Monkey
     assert handover.take() is None
 
 
-async def test_what_a_waiting_client_wants_is_not_taken_along() -> None:
+async def test_a_waiting_clients_goal_is_not_taken_along_and_a_late_stop_is() -> None:
     async with console(*FAST, handover=LEFT) as op:
         waiting = Requester("SHELL", "pid 7")
         waiting.waits = True
@@ -184,11 +162,6 @@ async def test_what_a_waiting_client_wants_is_not_taken_along() -> None:
         assert [values for *_, values in left.goals] == [{"shelf_number": 5}]
         assert [*left.edits] == [*EDITS]
         assert not left.stop
-
-
-async def test_a_stop_while_the_screen_goes_is_handed_on() -> None:
-    async with console(*FAST) as op:
-        assert not op.session.hand_over().stop
         stops = op.session.robot.stops
         stops.answered = stops.register()  # What sent it was cancelled.
         assert op.session.hand_over().stop

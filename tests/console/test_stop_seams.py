@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
+from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 import pytest
@@ -15,23 +15,23 @@ from archo_tui.screen.terminal.stop_marks import dispatch, mark_stops, marks_of
 from archo_tui.session.session import _robots_nodes
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console, key_event
+from tests.support.front import Front, front_of
 from tests.support.peer import Peer
-from tests.support.quiet import Quiet, ended
+from tests.support.quiet import ended
 from tests.support.stand_in import Made, StandIn
 from tests.support.states import STATES
-from tests.support.stub import StandingClock, stub_app
+from tests.support.stub import StandingClock
 
 
-class Screen:
-    """An app over a stub; bytes in, what the robot was asked for out."""
+class Screen(Front):
+    """Bytes in, what the robot was asked for out."""
 
-    def __init__(self, state: str, **options: Any) -> None:
-        self.app = stub_app(STATES[state], **options)
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
         self.asked: list[str] = []
         self.ended: list[int] = []
-        robot: Any = self.app.station.robot
         for verb in ("emergency_stop", "release_emergency_stop", "command"):
-            setattr(robot, verb, self._verb(verb))
+            setattr(self.robot, verb, self._verb(verb))
         self.app.exit = lambda *_, **__: self.ended.append(1)  # type: ignore[method-assign]
         self._keyboard = Keyboard(self.app.stop_key)
         self._now = 0.0
@@ -46,83 +46,73 @@ class Screen:
 
         return ask
 
-    def write(self, data: bytes) -> None:
+    def feed(self, data: bytes) -> None:
         """In one read."""
         app = self.app
         dispatch(self._keyboard.feed(data, self._now), app, app.stop_typed, app.post_message)
 
-    async def type(self, data: bytes) -> None:
-        self._now += 1.0
-        self.write(data)
-        await Quiet(self.app).settle()
+    async def type(self, *reads: bytes, pause: float = 1.0) -> None:
+        for data in reads:
+            self._now += pause
+            self.feed(data)
+            await self.settle()
 
     @property
     def stop_click(self) -> bytes:
-        region = self.app.main.query_one("#stop", Button).region
+        region = self.main.query_one("#stop", Button).region
         place = b"0;%d;%d" % (region.x + 2, region.y + 1)
         return b"\x1b[<" + place + b"M\x1b[<" + place + b"m"
 
 
+def screen(state: str, **options: Any) -> AbstractAsyncContextManager[Screen]:
+    return front_of(Screen, STATES[state], **options)
+
+
 @pytest.mark.parametrize("before", [b"R", b"Ry", b"?", b"\x1b", b""])
 async def test_a_click_on_stop_acts_whatever_stands_or_goes_in_front(before: bytes) -> None:
-    it = Screen("motor stopped")
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
+    async with screen("motor stopped") as it:
         if before == b"?":
             await it.type(b"R")  # a question; it is not where STOP is
         await it.type(before[:1] if before != b"?" else b"")
-        it.write(before[1:] + it.stop_click)
-        await Quiet(it.app).settle()
+        it.feed(before[1:] + it.stop_click)
+        await it.settle()
         assert it.asked[-1:] == ["emergency_stop"]
         assert it.asked.count("emergency_stop") == 1
 
 
 async def test_a_second_stop_with_a_key_between_is_sent_at_once() -> None:
-    it = Screen("motor stopped")
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
-        for typed in (b"\x18", b"R", b"y", b"\x18"):
-            it.write(typed)
-            await Quiet(it.app).settle()
+    async with screen("motor stopped") as it:
+        await it.type(b"\x18", b"R", b"y", b"\x18", pause=0.0)
         assert it.asked == ["emergency_stop", "release_emergency_stop", "emergency_stop"]
 
 
 async def test_a_command_behind_a_stop_waits_for_no_answer_from_before_it() -> None:
-    it = Screen("motor stopped")
-    robot: Any = it.app.station.robot
-    answer, asked = asyncio.Event(), []
+    async with screen("motor stopped") as it:
+        answer, asked = asyncio.Event(), []
 
-    async def unanswered(*_: Any, **__: Any) -> Outcome:
-        asked.append(it.app.stops.gate().is_shut)
-        await answer.wait()
-        return Outcome(Code.DONE, "done")
+        async def unanswered(*_: Any, **__: Any) -> Outcome:
+            asked.append(it.app.stops.gate().is_shut)
+            await answer.wait()
+            return Outcome(Code.DONE, "done")
 
-    robot.command = unanswered
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
-        for typed in (b"c", b"c", b"\x18", b"c", b"c"):
-            await it.type(typed)
+        it.robot.command = unanswered
+        await it.type(b"c", b"c", b"\x18", b"c", b"c")
         assert asked == [False, False]  # the second one of each pair has to wait
         answer.set()
 
 
 @pytest.mark.parametrize("opened", [b"\x10", b"R"])
 async def test_what_was_typed_for_a_dialog_that_stop_closed_is_no_command(opened: bytes) -> None:
-    it = Screen("motor stopped")
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
-        await it.type(opened)
-        await it.type(b"qac\x18")
+    async with screen("motor stopped") as it:
+        await it.type(opened, b"qac\x18")
         assert it.asked == ["emergency_stop"]
         assert not it.ended
-        assert it.app.screen is it.app.main
+        assert it.app.screen is it.main
 
 
 async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
-    it = Screen("motor moving")
     flood = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(1200))
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
+    async with screen("motor moving") as it:
         handled = 0
         on_event = it.app.on_event
 
@@ -132,40 +122,26 @@ async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
             await on_event(event)
 
         it.app.on_event = counted  # type: ignore[method-assign]
-        it.write(flood)
-        it.app._loop.call_soon(it.write, b"\x18")  # type: ignore[union-attr]  # as the driver does
-        await Quiet(it.app).settle()
+        it.feed(flood)
+        it.app._loop.call_soon(it.feed, b"\x18")  # type: ignore[union-attr]  # as the driver does
+        await it.settle()
         assert it.asked == ["emergency_stop"]
         assert handled < 300
 
 
 async def test_another_key_of_stop_ends_a_paste_whose_end_is_lost() -> None:
-    it = Screen("motor moving", keys={"stop": "f5"})
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
-        await it.type(b"\x1b[200~some text")
-        await it.type(b"\x1b[15~")
+    async with screen("motor moving", keys={"stop": "f5"}) as it:
+        await it.type(b"\x1b[200~some text", b"\x1b[15~")
         assert it.asked == ["emergency_stop"]
 
 
-@pytest.mark.parametrize("behind", ["c", "q", "r"])
-async def test_a_letter_behind_a_refused_enter_is_text(behind: str) -> None:
-    it = Screen("normal")
-    async with it.app.run_test(size=(120, 36)):
-        await Quiet(it.app).settle()
-        await it.type(b"g1x\r" + behind.encode())
-        assert it.app.main.goal.fields[0].value == f"1x{behind}"
-        assert not it.asked
-        assert not it.ended
-
-
-async def test_a_file_that_was_asked_for_is_saved_before_the_end(here: Path) -> None:
-    async with console(*FAST) as op:
-        await op.press("4", "ctrl+s")
-        await op.until("ROS parameter file")
-        op.send("enter", "ctrl+q")
-        await op.until(lambda: not op.app.is_running)
-    assert (here / "archo_params.yaml").exists()
+async def test_a_letter_behind_a_refused_enter_is_text() -> None:
+    async with screen("normal") as it:
+        for behind in "cqr":
+            await it.type(b"g", b"\x15", b"1x\r" + behind.encode())
+            assert it.main.goal.fields[0].value == f"1x{behind}"
+            assert not it.asked
+            assert not it.ended
 
 
 async def test_a_stop_pressed_again_behind_anothers_release_is_sent() -> None:
@@ -188,19 +164,14 @@ async def test_a_stop_pressed_again_behind_anothers_release_is_sent() -> None:
 
 
 async def test_a_question_from_before_another_consoles_stop_is_closed() -> None:
-    made: list[Peer] = []
-
-    def peer(**options: Any) -> Peer:
-        made.append(Peer(**options))
-        return made[-1]
-
+    peer = Made(Peer)
     async with console(*FAST, node_makers=[*_robots_nodes(False).values(), peer]) as op:
         await op.until("2 consoles")
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
         await op.press("R")
         await op.until("Release the stop?")
-        made[0].tell("stop")
+        peer.node.tell("stop")
         await op.until("stop: done")
         assert "Release the stop?" not in op.text
         await op.press("y")  # for the question
@@ -219,32 +190,26 @@ class _Later(StandingClock):
 
 async def test_a_key_from_before_a_stop_is_dropped_however_late_it_comes() -> None:
     clock = _Later()
-    screen = Screen("normal", clock=clock)
-    async with screen.app.run_test():
-        await Quiet(screen.app).settle()
-        screen.app.stops.register()
-        screen.app.closed_by_stop("STOP closed the dialog")
+    async with screen("normal", clock=clock) as it:
+        it.app.stops.register()
+        it.app.closed_by_stop("STOP closed the dialog")
         clock.later = 60.0  # So slow a machine: what was typed for the dialog comes now.
         for stops in (0, 1):
             key = key_event("question_mark")  # It is no command to the robot, which the gate holds.
             mark_stops(key, stops)
-            screen.app.post_message(key)
-            await Quiet(screen.app).settle()
-            assert (screen.app.screen is screen.app.main) == (stops == 0)
+            it.app.post_message(key)
+            await it.settle()
+            assert (it.app.screen is it.main) == (stops == 0)
 
 
 async def test_what_a_key_leaves_in_a_queue_is_void_behind_a_later_stop() -> None:
-    screen, shut = Screen("normal"), list[bool]()
-    async with screen.app.run_test():
-        await Quiet(screen.app).settle()
+    async with screen("normal") as it:
+        shut = list[bool]()
         for typed in (b"", b"\x18g", b"\x1b"):
-            screen.write(typed)
-            await Quiet(screen.app).settle()
+            await it.type(typed, pause=0.0)
             key = key_event("g")
             mark_stops(key, 0)  # It was read before the STOP, and is handled late.
-            with marks_of(key, screen.app):  # In its turn, a widget posts a message.
-                screen.app.main.goal.call_later(
-                    lambda: shut.append(screen.app.stops.gate().is_shut)
-                )
-            await Quiet(screen.app).settle()
+            with marks_of(key, it.app):  # In its turn, a widget posts a message.
+                it.main.goal.call_later(lambda: shut.append(it.app.stops.gate().is_shut))
+            await it.settle()
         assert shut == [False, True, True]

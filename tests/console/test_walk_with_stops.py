@@ -21,6 +21,7 @@ from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG, Console, console
+from tests.support.night import corners
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making
@@ -179,13 +180,14 @@ class Counting(MotorController):
         return await super().execute_move(goal)
 
 
+LATCHING, NOT_LATCHING = "a robot that latches", "a robot that does not latch"
 WALKED = {
-    "a robot that latches": Robot(
+    LATCHING: Robot(
         lambda made: [BatteryMonitor, making(made, Counting)],
         lambda motor: motor.emergency_stopped and motor.goal is None,
         ros_args=LONG,
     ),
-    "a robot that does not latch": Robot(
+    NOT_LATCHING: Robot(
         lambda made: [making(made, Cart)],
         lambda cart: cart.drives == 0,
         file=ROBOTS / "cart.yaml",
@@ -217,7 +219,7 @@ async def walk(
     assert made[-1].driven
 
 
-@pytest.mark.parametrize("name", WALKED)
+@pytest.mark.parametrize("name", corners([LATCHING], [NOT_LATCHING]))
 async def test_after_the_last_stop_line_nothing_moves(
     name: str, request: pytest.FixtureRequest
 ) -> None:
@@ -229,7 +231,7 @@ async def test_after_the_last_stop_line_nothing_moves(
         await walk(lambda choose: Liner(person, choose), name, made, request, about)
 
 
-@pytest.mark.parametrize("name", WALKED)
+@pytest.mark.parametrize("name", corners([NOT_LATCHING], [LATCHING]))
 async def test_after_the_last_stop_key_nothing_moves(
     name: str, request: pytest.FixtureRequest
 ) -> None:

@@ -25,8 +25,9 @@ from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.history import History
 from archo_tui.station.view import View
-from archo_tui.text.state import motion_word, plain_text
+from archo_tui.text.state import motion_word
 from tests.support.archo import ARCHO, SHELF
+from tests.support.states import plain_text
 
 SINCE = 1_700_000_000.0  # Unix minus monotonic time of the recording console.
 ANOTHER = GoalKind("dock", "Dock", "dock", "x_interfaces/action/Dock", noun="dock")

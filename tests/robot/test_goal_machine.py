@@ -27,8 +27,8 @@ from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.text.goal import goal_line
-from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
+from tests.support.states import plain_text
 
 pytestmark = pytest.mark.pure
 

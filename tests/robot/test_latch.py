@@ -18,7 +18,7 @@ from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
-from archo_tui.text.state import motion_word, plain_text
+from archo_tui.text.state import motion_word
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import TIMEOUT
 from tests.support.alarms import alarms_of
@@ -32,6 +32,7 @@ from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot
 from tests.support.ros import begin
 from tests.support.stand_in import Made, StandIn, beside
+from tests.support.states import plain_text
 
 TOLD = "; /motor_controller was told STOP first, and is stopped"
 

@@ -22,7 +22,7 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.telemetry import ClockOffsets, Diagnostics, Telemetry
 from archo_tui.robot_file.load import load
 from archo_tui.screen.widgets.bars import header
-from archo_tui.text.state import age_text, battery_line, battery_word, motion_word, plain_text
+from archo_tui.text.state import age_text, battery_line, battery_word, motion_word
 from tests.support import chosen, clock
 from tests.support.alarms import alarms_of, conditions
 from tests.support.clock import NOW
@@ -32,7 +32,7 @@ from tests.support.plain import operated
 from tests.support.quiet import Quiet, ended, until, while_passes
 from tests.support.robot import robot, texts
 from tests.support.stand_in import Made
-from tests.support.states import NORMAL
+from tests.support.states import NORMAL, plain_text
 from tests.support.stub import StandingClock
 
 

@@ -22,7 +22,7 @@ from archo_tui.robot.state.snapshot import Latch, OpenStop, StopAnswer
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.load import default_path
 from archo_tui.text.goal import goal_line
-from archo_tui.text.state import motion_word, plain_text
+from archo_tui.text.state import motion_word
 from tests.support import chosen, clock
 from tests.support.alarms import alarms_of, conditions
 from tests.support.archo import SHELF, go
@@ -32,7 +32,7 @@ from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
 from tests.support.ros import begin
 from tests.support.stand_in import Made, Other, StandIn, beside
-from tests.support.states import STATES
+from tests.support.states import STATES, plain_text
 
 Brake = partial(Made, StandIn)
 Driver = partial(Made, StandIn, "driver", goals="drive", moving=False)

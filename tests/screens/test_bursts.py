@@ -33,6 +33,7 @@ from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station import save_load
 from tests.support.clock import NOW
 from tests.support.console import key_event
+from tests.support.front import reset_main
 from tests.support.quiet import Quiet
 from tests.support.states import ARRIVED, STATES
 from tests.support.stub import StandingClock, StubRobot, sized, stub_station
@@ -127,28 +128,12 @@ class Desk:
                 break
             await self.press([[key_event("escape")]], None)
         assert app.screen is main, app.screen
-        main.leave_full()
-        for panel in (main.parameters, main.events):
-            panel.search.close()
-        while main.events._level != "WARN":
-            main.events.next_level()
-        if main.parameters._only_changed:
-            main.parameters.toggle_changed()
-        if main.parameters._shows_all:
-            main.parameters.toggle_hidden()
-        for rows in main.query(Rows).results():
-            rows.cursor, rows.shows_cursor = 0, False
-        main.goal.fields[0].clear()
-        main.goal.typed, main.goal._typed_index = [], 0
-        main.focus_panel(4)
-        main.parameters.rows.shows_cursor = False
-        main._focused_before = None
+        reset_main(main)
         app._leaves = False
         app.typed.clear()
         app.theme = "textual-dark"
         app.station.goals.queue = GoalQueue()
         app.station.edits.__init__()  # type: ignore[misc]
-        app.clear_notifications()
         app.clear_selection()
         self.robot.put(self._snapshot)
         self.robot.asked.clear()
@@ -247,22 +232,8 @@ async def compare(seed: int, number: int, gaps: Sequence[float]) -> list[str]:
     return found
 
 
-async def stop_behind(seed: int, number: int, gaps: Sequence[float]) -> None:
-    """Press STOP behind random sequences: the robot is asked for nothing after it."""
-    choose = random.Random(seed)
-    for state in ("normal", "motor stopped", "motor moving"):
-        async with desk(state) as it:
-            for _ in range(number // 3):
-                keys, gap = [*sequence(choose), "ctrl+x"], choose.choice(gaps)
-                await it.reset()
-                await it.press(messages(keys), gap)
-                asked = [verb for verb, _ in it.robot.asked]
-                assert asked[-1:] == ["emergency_stop"], (state, gap, keys, asked)
-                assert gap or {*asked} == {"emergency_stop"}, (state, gap, keys, asked)
-
-
-async def stop_amid_a_dialog(seed: int, number: int, gaps: Sequence[float]) -> None:
-    """Press STOP amid what is typed for a dialog: none of it acts anywhere else, a cancel does."""
+async def stop_amid_keys(seed: int, number: int, gaps: Sequence[float]) -> None:
+    """Press STOP behind random sequences and amid what is typed for a dialog."""
     choose = random.Random(seed)
     for state, openers in (
         ("normal", ("ctrl+p", "G", "C")),
@@ -271,17 +242,33 @@ async def stop_amid_a_dialog(seed: int, number: int, gaps: Sequence[float]) -> N
     ):
         async with desk(state) as it:
             for _ in range(number // 3):
-                opener, gap = choose.choice(openers), choose.choice(gaps)
-                before_it = choose.sample("abdehk", choose.randrange(3))  # which is no answer
-                behind = choose.sample([*_LETTERS, "enter", "tab", "down", "space"], 7)
-                keys = [opener, *before_it, "ctrl+x", *behind]
-                await it.reset()
-                before = it.state
-                await it.press(messages([*keys, "ctrl+c"]), gap)
-                wanted = ["emergency_stop", *(["cancel"] if state == "motor moving" else [])]
-                assert [verb for verb, _ in it.robot.asked] == wanted, (state, gap, keys)
-                assert it.state[1:] == before[1:], (state, gap, keys)
-                assert not it.app._leaves, (state, gap, keys)
+                await stop_behind(it, choose, choose.choice(gaps))
+                await stop_amid_a_dialog(it, choose, choose.choice(gaps), choose.choice(openers))
+
+
+async def stop_behind(it: Desk, choose: random.Random, gap: float) -> None:
+    """The robot is asked for nothing after a STOP."""
+    keys = [*sequence(choose), "ctrl+x"]
+    await it.reset()
+    await it.press(messages(keys), gap)
+    asked = [verb for verb, _ in it.robot.asked]
+    assert asked[-1:] == ["emergency_stop"], (gap, keys, asked)
+    assert gap or {*asked} == {"emergency_stop"}, (gap, keys, asked)
+
+
+async def stop_amid_a_dialog(it: Desk, choose: random.Random, gap: float, opener: str) -> None:
+    """None of what was typed for it acts anywhere else; a cancel does."""
+    before_it = choose.sample("abdehk", choose.randrange(3))  # which is no answer
+    behind = choose.sample([*_LETTERS, "enter", "tab", "down", "space"], 7)
+    keys = [opener, *before_it, "ctrl+x", *behind]
+    await it.reset()
+    before = it.state
+    await it.press(messages([*keys, "ctrl+c"]), gap)
+    drives = it.robot.snapshot.running_goal is not None
+    wanted = ["emergency_stop", *(["cancel"] if drives else [])]
+    assert [verb for verb, _ in it.robot.asked] == wanted, (gap, keys)
+    assert it.state[1:] == before[1:], (gap, keys)
+    assert not it.app._leaves, (gap, keys)
 
 
 async def test_a_burst_ends_as_the_same_keys_do_with_pauses() -> None:
@@ -289,24 +276,14 @@ async def test_a_burst_ends_as_the_same_keys_do_with_pauses() -> None:
     assert not found, "\n".join(found)
 
 
-async def test_nothing_that_was_typed_before_a_stop_is_sent_behind_it() -> None:
-    await stop_behind(seed=4, number=6, gaps=GAPS[:3])
-
-
-async def test_what_was_typed_for_a_dialog_that_stop_closed_acts_nowhere_else() -> None:
-    await stop_amid_a_dialog(seed=5, number=6, gaps=GAPS[:3])
+async def test_nothing_typed_before_a_stop_or_for_a_dialog_that_it_closed_acts() -> None:
+    await stop_amid_keys(seed=4, number=6, gaps=GAPS[:3])
 
 
 @pytest.mark.night
 @pytest.mark.parametrize("_part", range(3))
-async def test_many_stops_behind_keys(_part: int) -> None:
-    await stop_behind(random.randrange(10**6), number=50, gaps=GAPS)
-
-
-@pytest.mark.night
-@pytest.mark.parametrize("_part", range(3))
-async def test_many_stops_amid_keys(_part: int) -> None:
-    await stop_amid_a_dialog(random.randrange(10**6), number=50, gaps=(*GAPS, 0.3))
+async def test_many_stops_behind_and_amid_keys(_part: int) -> None:
+    await stop_amid_keys(random.randrange(10**6), number=50, gaps=(*GAPS, 0.3))
 
 
 @pytest.mark.night

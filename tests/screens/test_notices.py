@@ -1,8 +1,11 @@
-"""Notices on the screen: at most three rows below the header, over no alarm, STOP or question."""
+"""Notices: in at most three rows below the header, over no alarm, STOP or question."""
 
 from __future__ import annotations
 
-from archo_tui.screen.widgets.bars import NoticeLine
+from rich.cells import cell_len
+from textual.notifications import SeverityLevel
+
+from archo_tui.screen.widgets.bars import DURATIONS, Notice, NoticeLine, notice_text, with_newest
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console
 
@@ -32,18 +35,9 @@ async def test_a_refusal_is_seen_for_8_s_or_until_its_cause_ends() -> None:
         op.app.action_command("release")
         await op.settle()
         assert row_of(op, "not stopped") == 1
-        await op.press("ctrl+x")
+        await op.press("u", "ctrl+x")
         await op.until("STOPPED: look for the cause")
         await op.until(lambda: "not stopped" not in op.text)
-
-
-async def test_a_notice_makes_room_for_an_alarm() -> None:
-    async with console(*FAST) as op:
-        await op.press("u")
-        assert row_of(op, "nothing to undo") == 1
-        await op.press("ctrl+x")
-        await op.until("STOPPED: look for the cause")
-        await op.settle()
         assert row_of(op, "STOPPED: look for the cause") == 1
         assert row_of(op, "nothing to undo") == 2
 
@@ -77,7 +71,7 @@ async def test_a_notice_covers_nothing_of_a_question() -> None:
             await op.press("escape")
 
 
-async def test_a_notice_is_not_over_the_stop_button() -> None:
+async def test_a_notice_is_not_over_the_stop_button_which_is_pressed_through_it() -> None:
     async with console(*FAST, size=(40, 10)) as op:
         await op.press("2")
         op.app.show_message("something to read " * 12)
@@ -86,15 +80,67 @@ async def test_a_notice_is_not_over_the_stop_button() -> None:
         assert "STOP" in op.text.splitlines()[button.y]
         assert "something to read" in op.text
 
-
-async def test_the_stop_button_is_pressed_through_a_notice() -> None:
-    async with console(*FAST, size=(50, 15)) as op:
-        await op.press("2")
-        op.app.show_message("something to read")
+        await op.pilot.resize_terminal(50, 15)
         await op.settle()
-        button, notice = op.app.query_one("#stop"), op.app.main.query_one(NoticeLine)
-        notice.styles.offset = 0, button.region.y
+        button, notice = op.app.query_one("#stop").region, op.app.main.query_one(NoticeLine)
+        notice.styles.offset = 0, button.y
         await op.settle()
-        assert notice.region.contains(button.region.x, button.region.y)
-        click(op.app, button.region.x + 1, button.region.y)
+        assert notice.region.contains(button.x, button.y)
+        click(op.app, button.x + 1, button.y)
         await op.until(lambda: op.app.view.snapshot.is_stopped)
+
+
+def notice(text: str, severity: SeverityLevel = "warning") -> Notice:
+    return Notice(text, severity, 0.0)
+
+
+def test_graver_notices_stay_longer_and_a_refusal_for_8_s() -> None:
+    assert DURATIONS["information"] < DURATIONS["warning"] == 8 < DURATIONS["error"]
+
+
+def test_of_more_than_three_the_oldest_of_the_least_grave_goes() -> None:
+    shown: list[Notice] = []
+    for text, severity in (("lost", "error"), ("saved", "information"), ("sent", "information")):
+        shown = with_newest(shown, notice(text, severity))  # type: ignore[arg-type]
+    assert [one.text for one in shown] == ["sent", "saved", "lost"]
+    shown = with_newest(shown, notice("refused"))
+    assert [one.text for one in shown] == ["refused", "sent", "lost"]
+
+
+def test_the_newest_is_shown_even_if_all_others_are_graver() -> None:
+    shown = [notice(text, "error") for text in ("c", "b", "a")]
+    assert [one.text for one in with_newest(shown, notice("refused"))] == ["refused", "c", "b"]
+
+
+def test_an_equal_notice_is_shown_once() -> None:
+    shown = with_newest([notice("failed", "error"), notice("refused")], notice("refused"))
+    assert [one.text for one in shown] == ["refused", "failed"]
+
+
+def test_a_glyph_tells_the_severity() -> None:
+    assert notice_text([notice("it failed", "error")], 20).plain == " ✗ it failed"
+    several = [notice("refused"), notice("saved", "information")]
+    assert notice_text(several, 20).plain == " ▲ refused\n · saved"
+
+
+def test_a_long_notice_goes_on_below_and_a_very_long_one_is_cut() -> None:
+    words = " ".join(["word"] * 20)
+    assert notice_text([notice(words)], 120).plain.count("\n") == 0
+    lines = notice_text([notice(words)], 30).plain.splitlines()
+    assert len(lines) == 3
+    assert max(map(len, lines)) <= 29
+    assert lines[-1].endswith("…")
+
+
+def test_several_have_a_row_each() -> None:
+    words = " ".join(["word"] * 20)
+    lines = notice_text([notice(words), notice("b"), notice("c")], 30).plain.splitlines()
+    assert [line[:3] for line in lines] == [" ▲ "] * 3
+    assert lines[0].endswith("…")
+
+
+def test_a_long_notice_in_wide_characters_loses_none_of_them_between_lines() -> None:
+    text = "电池电量过低请立即充电否则机器人会停在货架之间并且需要人工搬运"
+    lines = notice_text([notice(text)], 30).plain.splitlines()
+    assert max(map(cell_len, lines)) == 29
+    assert "".join(line[3:] for line in lines) == text

@@ -13,13 +13,12 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
 from archo_tui.text import line_by_line
-from archo_tui.text.state import PLAIN, charge_bar, marked_tone, plain_text
+from archo_tui.text.state import PLAIN, charge_bar, marked_tone
 from tests.support.clock import NOW, TIME
-from tests.support.console import screen_text
+from tests.support.front import front
 from tests.support.night import corners
-from tests.support.quiet import Quiet
-from tests.support.states import MOVING, NORMAL
-from tests.support.stub import StandingClock, stub_app
+from tests.support.states import MOVING, NORMAL, plain_text
+from tests.support.stub import StandingClock
 
 # each number begins with a nine: a part of one is then no other number of the screen
 WHOLE = NORMAL._replace(
@@ -78,14 +77,11 @@ async def test_no_number_is_cut_without_saying_so_at_any_width(
 ) -> None:
     step = 1 if request.config.getoption("--night") else 52
     snapshot = WHOLE._replace(parameters=parameters(count))
-    app = stub_app(snapshot, StandingClock(), size=(300, 40))
-    async with app.run_test(size=(300, 40)) as pilot:
-        quiet = Quiet(app)
+    async with front(snapshot, StandingClock(), size=(300, 40)) as it:
         seen: set[str] = set()
         for width in range(300, 39, -step):
-            await pilot.resize_terminal(width, 40)
-            await quiet.settle()
-            for strip in app.screen._compositor.render_strips():
+            await it.resize(width, 40)
+            for strip in it.strips:
                 for part in re.split(r"[│┃╭╮╰╯┏┓┗┛]", strip.text):
                     found = set(tokens(part))
                     seen |= found
@@ -118,8 +114,6 @@ async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> 
     )
     assert line_by_line.battery_text(slow, NOW).endswith("24.1 V, 7 s ago")
     assert line_by_line.motion_text(slow, NOW).startswith("IDLE, 4 s ago, ")
-    app = stub_app(slow, StandingClock(), size=(80, 24))
-    async with app.run_test(size=(80, 24)):
-        await Quiet(app).settle()
-        assert re.search(r"● GOOD +87.5 % +7 s ago", screen_text(app))
-        assert "● IDLE  4 s ago" in screen_text(app)
+    async with front(slow, StandingClock(), size=(80, 24)) as it:
+        assert re.search(r"● GOOD +87.5 % +7 s ago", it.text)
+        assert "● IDLE  4 s ago" in it.text

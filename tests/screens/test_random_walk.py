@@ -20,9 +20,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screen.commands import registry
 from tests.support.archo import ARCHO
 from tests.support.console import click, send
-from tests.support.quiet import Quiet
+from tests.support.front import front
 from tests.support.states import STATES
-from tests.support.stub import StubRobot, stub_app
 
 COMMANDS = registry(ARCHO)
 _KEYS = sorted(
@@ -31,7 +30,7 @@ _KEYS = sorted(
     | {"right", "pageup", "pagedown", "home", "end", "backspace", "delete", "ctrl+home", "ctrl+end"}
 )  # fmt: skip
 _LEAVING = {"ctrl+q", "q", "ctrl+z"}  # end the walk
-_EACH = 100  # keys between two looks at the invariants
+_EACH = 50  # keys between two looks at the invariants
 _PASTES = ("12", "a\nb", "\x1b[31m", "9" * 300, "x: [", "  7 ")
 _SIZES = ((80, 24), (120, 36), (160, 48), (79, 23), (200, 60), (40, 10), (20, 5), (1, 1))
 _SIZE = Size(100, 30)
@@ -53,25 +52,18 @@ async def walk(seed: int, keys: int) -> None:
     """Press keys at random; the state of the robot changes at random as well."""
     choose = random.Random(seed)
     names = sorted(set(STATES) - {"many parameters"})
-    app = stub_app(STATES["normal"])
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
     stops: list[int] = []
 
     async def stop() -> Outcome:
         stops.append(1)
         return Outcome(Code.DONE, "stopped")
 
-    robot.emergency_stop = stop  # type: ignore[attr-defined]
-    app.exit = lambda *_, **__: None  # type: ignore[method-assign]  # by a click, or the palette
-    app.action_suspend_process = lambda: None  # type: ignore[method-assign]
     possible = [key for key in _KEYS if key not in _LEAVING and key != "ctrl+x"]
-    async with app.run_test(size=_SIZE):
-        quiet = Quiet(app)
-
-        async def press(*pressed: str) -> None:
-            send(app, *pressed)
-            await quiet.settle()
-
+    async with front(size=(_SIZE.width, _SIZE.height)) as it:
+        app, robot, press = it.app, it.robot, it.press
+        robot.emergency_stop = stop
+        app.exit = lambda *_, **__: None  # type: ignore[method-assign]  # by a click, or the palette
+        app.action_suspend_process = lambda: None  # type: ignore[method-assign]
         for number in range(keys // _EACH):
             robot.put(STATES[choose.choice(names)])
             pressed = [choose.choice(possible) for _ in range(_EACH)]
@@ -80,7 +72,7 @@ async def walk(seed: int, keys: int) -> None:
                 if choose.random() < 0.1:
                     something_else(app, choose)
                     await asyncio.sleep(0)  # it comes while what was before is being done
-            await quiet.settle()
+            await it.settle()
             app.clear_notifications()
             app.post_message(events.Resize(_SIZE, _SIZE))
             where = f"seed {seed}, after {number * _EACH + _EACH} keys, the last: {pressed[-20:]}"
@@ -107,7 +99,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_a_walk_of_keys_at_random() -> None:
-    await walk(seed=7, keys=200)
+    await walk(seed=7, keys=100)
 
 
 @pytest.mark.night

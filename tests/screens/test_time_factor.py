@@ -11,10 +11,10 @@ from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text import line_by_line
 from archo_tui.text.goal import goal_line
-from archo_tui.text.state import motion_line, plain_text
+from archo_tui.text.state import motion_line
 from tests.support.clock import NOW
 from tests.support.console import console
-from tests.support.states import MOTOR, MOVING, NORMAL
+from tests.support.states import MOTOR, MOVING, NORMAL, plain_text
 
 
 def simulated(value: object) -> Snapshot:

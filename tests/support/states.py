@@ -12,6 +12,7 @@ from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.graph import NodeState, Parameter, Resource
 from archo_tui.robot.state.readings import Battery, Motion
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
+from archo_tui.text.state import Spans
 from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.clock import NOW, TIME
 
@@ -213,3 +214,8 @@ def board(shelves: Any, of: Snapshot = NORMAL) -> Snapshot:
     node, name = "/motor_controller", "shelf_count"
     count = Parameter(node, name, "integer", shelves, shelves, "shelves are 1 .. this", 1, 9999)
     return of._replace(parameters=(*of.parameters, count))
+
+
+def plain_text(spans: Spans) -> str:
+    """The text of spans without their tones."""
+    return "".join(text for text, _ in spans)

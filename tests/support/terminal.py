@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import pty
 import re
@@ -15,8 +16,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from archo_tui.base.paths import journal_file
 from tests.support import chosen, warm
-from tests.support.waiting import DEADLINE
+from tests.support.waiting import DEADLINE, wait_until
 
 
 class Terminal:
@@ -164,3 +166,28 @@ class Terminal:
             os.close(self._master)
         if self._slave is not None:
             os.close(self._slave)
+
+
+Start = Callable[..., Terminal]  # See tests/terminal/conftest.py.
+
+
+def entries() -> list[dict[str, Any]]:
+    """What the journal has, the oldest first."""
+    if not journal_file().exists():
+        return []
+    return [json.loads(line) for line in journal_file().read_text("utf-8").splitlines()]
+
+
+def said(kind: str = "") -> list[str]:
+    """The texts of the journal's entries, or of those of a kind."""
+    return [str(entry.get("text", "")) for entry in entries() if kind in ("", entry["kind"])]
+
+
+def until_said(*texts: str, deadline: float = DEADLINE) -> None:
+    """Wait until each of them is in the journal."""
+
+    def is_said() -> bool:
+        lines = said()
+        return all(any(text in line for line in lines) for text in texts)
+
+    wait_until(is_said, str(texts), deadline)

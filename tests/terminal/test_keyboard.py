@@ -10,6 +10,7 @@ from textual import events
 from textual.message import Message
 
 from archo_tui.screen.terminal.keyboard import STRING_LIMIT, Keyboard
+from tests.support.night import corners
 from tests.support.typed import LONG, Typed, typed
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"
@@ -176,9 +177,16 @@ def test_a_string_that_does_not_end_is_not_kept_and_a_pause_ends_it() -> None:
     assert keyboard.read("r", after=0.12).keys == ["r"]
 
 
-@pytest.mark.parametrize("stop", ["\x18", "\x1b[120;5u", "\x1b[1095::120;5u", "\x1b[27;5;120~"])
+FLOODS = ["A" * 0x10000, "\x1b]52;c;" * 0x2000, f"{ST}\x1b]52;c;AAAA" * 0x1000]
+STOPS = ["\x18", "\x1b[120;5u", "\x1b[1095::120;5u", "\x1b[27;5;120~"]
+
+
 @pytest.mark.parametrize(
-    "flood", ["A" * 0x10000, "\x1b]52;c;" * 0x2000, f"{ST}\x1b]52;c;AAAA" * 0x1000]
+    ("flood", "stop"),
+    corners(
+        [*((FLOODS[0], stop) for stop in STOPS), *((flood, STOPS[0]) for flood in FLOODS[1:])],
+        [*itertools.product(FLOODS[1:], STOPS[1:])],
+    ),
 )
 def test_stop_in_a_flood_is_stop(flood: str, stop: str) -> None:
     keyboard = Typed().read("\x1b]52;c;")

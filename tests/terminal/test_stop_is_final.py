@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
 import re
 import signal
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,7 +14,7 @@ from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.screen.keyed_app import HELD
 from tests.support import chosen
 from tests.support.night import corners
-from tests.support.terminal import Terminal
+from tests.support.terminal import Start, Terminal, said, until_said
 from tests.support.waiting import wait_until
 
 ROBOTS = Path(__file__).parent.parent / "robots"
@@ -26,31 +23,16 @@ pytestmark = pytest.mark.real_time
 SLOW = ("--ros-args", "-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
 
-def said() -> list[str]:
-    """What the journal has, the oldest first."""
-    if not journal_file().exists():
-        return []
-    lines = journal_file().read_text(encoding="utf-8").splitlines()
-    return [str(json.loads(line).get("text", "")) for line in lines]
-
-
-def until_said(*texts: str) -> None:
-    """Wait until each of them is in the journal."""
-    wait_until(lambda: all(any(text in line for line in said()) for text in texts), str(texts))
-
-
-def stopped_archo(terminals: list[Terminal]) -> Terminal:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def stopped_archo(start: Start) -> Terminal:
+    terminal = start()
     terminal.write("\x18")
     terminal.until("R releases")
     return terminal
 
 
 @pytest.mark.parametrize("typed", corners(["R\t\r\x18"], ["Ry\x18"]))
-def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[Terminal]) -> None:
-    terminal = stopped_archo(terminals)
+def test_a_release_typed_before_a_stop_is_not_sent(typed: str, start: Start) -> None:
+    terminal = stopped_archo(start)
     terminal.write(typed)
     until_said(NOT_SENT)
     terminal.write("\x18")
@@ -59,8 +41,8 @@ def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[T
     assert not [text for text in said() if "Released" in text]
 
 
-def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> None:
-    terminal = stopped_archo(terminals)
+def test_a_release_typed_behind_a_stop_is_sent(start: Start) -> None:
+    terminal = stopped_archo(start)
     terminal.write("\x18Ry")
     until_said("release stop: Released")
     terminal.write("q")
@@ -68,10 +50,8 @@ def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> Non
 
 
 @pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["g12 7\r\x18"]))
-def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
-    terminal = Terminal(*CART)
-    terminals.append(terminal)
-    terminal.until("80.0 %")
+def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, start: Start) -> None:
+    terminal = start(*CART, shows="80.0 %")
     terminal.until("Cart")
     terminal.until("online")
     terminal.write(typed)
@@ -90,11 +70,9 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
 
 @pytest.mark.parametrize("typed", ["g12\r\t\x18", "g12\t\r\x18"])  # By enter, and by Go.
 def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
-    typed: str, terminals: list[Terminal]
+    typed: str, start: Start
 ) -> None:
-    terminal = Terminal(*SLOW)
-    terminals.append(terminal)
-    terminal.until("● motor_controller")
+    terminal = start(*SLOW, shows="● motor_controller")
     terminal.write(typed)
     until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
     terminal.until("R releases")
@@ -106,10 +84,8 @@ def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
 
 
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there its service may not be found yet")
-def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
-    terminal = Terminal(*CART)
-    terminals.append(terminal)
-    terminal.until("80.0 %")
+def test_a_command_typed_before_a_stop_is_not_sent(start: Start) -> None:
+    terminal = start(*CART, shows="80.0 %")
     terminal.until("Blink")
     terminal.write("b\x18")
     until_said("STOP: confirmed", f"blink: {NOT_SENT}")
@@ -120,20 +96,16 @@ def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) ->
     assert said().count("blinked") == 1
 
 
-def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_stop_right_before_the_end_is_sent(start: Start) -> None:
+    terminal = start()
     terminal.write("\x18\x11")
     assert terminal.exit_code() == 0
     assert "STOP: confirmed" in said()
     assert "never awaited" not in terminal.text
 
 
-def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_command_right_before_the_end_is_carried_out(start: Start) -> None:
+    terminal = start()
     terminal.until("discharging")  # what c inverts was heard
     terminal.write("c\x11")
     assert terminal.exit_code() == 0
@@ -157,34 +129,24 @@ def hold(terminal: Terminal, key: str, seconds: float) -> None:
         last, pause = time.monotonic(), 0.03
 
 
-def until_held(story: Callable[[], None], terminals: list[Terminal]) -> None:
-    """Tell a story anew until its key was held without a pause."""
-
+def test_enter_held_in_parameters_sets_nothing(start: Start) -> None:
     def is_told() -> bool:
-        with contextlib.suppress(LetGo):
-            story()
-            return True
-        terminals[-1].kill(signal.SIGKILL)
-        terminals[-1].exit_code()
-        journal_file().unlink()
-        return False
-
-    wait_until(is_told)
-
-
-def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> None:
-    def story() -> None:
-        terminal = Terminal()
-        terminals.append(terminal)
-        terminal.until("max_speed")
+        terminal = start()
         terminal.leave_field()
         terminal.write("4/max_s")
         terminal.until("max_s")
-        hold(terminal, "\r", 3.0)
+        try:
+            hold(terminal, "\r", 3.0)
+        except LetGo:
+            terminal.kill(signal.SIGKILL)
+            terminal.exit_code()
+            journal_file().unlink()
+            return False
         terminal.until("press it again")
         terminal.write("\x1b")
         terminal.write("\x11")
         assert terminal.exit_code() == 0
         assert not [text for text in said() if text.startswith("set ")]
+        return True
 
-    until_held(story, terminals)
+    wait_until(is_told)  # anew until the key was held without a pause

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import json
 import re
 import signal
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from archo_tui.base.errors import ArchoError
-from archo_tui.base.paths import journal_file
 from archo_tui.cli.console import require_terminal
 from tests.support.night import corners
-from tests.support.terminal import Terminal
-from tests.support.waiting import DEADLINE, wait_until
+from tests.support.terminal import Start, said, until_said
+from tests.support.waiting import DEADLINE
 
 SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
@@ -34,17 +31,9 @@ sys.meta_path.insert(0, Interrupts())
 """
 
 
-def journaled() -> list[dict[str, Any]]:
-    return [json.loads(line) for line in journal_file().read_text().splitlines()]
-
-
 @pytest.mark.parametrize("end", corners(["SIGHUP"], ["q", "SIGINT", "SIGQUIT"]))  # SIGTERM: below
-def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
-    end: str, terminals: list[Terminal]
-) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("online")
+def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(end: str, start: Start) -> None:
+    terminal = start(shows="online")
     if end == "q":
         terminal.write("q")
         code = 0
@@ -60,11 +49,11 @@ def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
 @pytest.mark.parametrize(
     "end", corners(["SIGTERM", "hang up, no signal"], ["hang up", "hang up, nohup"])
 )
-def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) -> None:
+def test_a_running_goal_is_cancelled_first(end: str, start: Start) -> None:
     no_signal = end == "hang up, no signal"
-    terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup", controlling=not no_signal)
-    terminals.append(terminal)
-    terminal.until("No goal yet")
+    terminal = start(
+        *SLOW, ignore_hangup=end == "hang up, nohup", controlling=not no_signal, shows="No goal yet"
+    )
     terminal.until("max_speed")
     terminal.write("g12\r")
     terminal.until("m left of")
@@ -73,15 +62,12 @@ def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) 
     else:
         terminal.hang_up()
     assert terminal.exit_code() == 128 + (signal.SIGTERM if end == "SIGTERM" else signal.SIGHUP)
-    said = [entry["text"] for entry in journaled()]
-    assert any("cancelling the goal to shelf 12" in text for text in said), said
-    assert "cancel: accepted" in said
+    assert any("cancelling the goal to shelf 12" in text for text in said()), said()
+    assert "cancel: accepted" in said()
 
 
-def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_stray_sigcont_changes_nothing(start: Start) -> None:
+    terminal = start()
     for _ in range(3):
         terminal.kill(signal.SIGCONT)
     terminal.write("g7\r")
@@ -89,15 +75,12 @@ def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
-    said = [entry["text"] for entry in journaled() if entry["kind"] == "command"]
-    assert said == ["go to shelf 7: accepted"]  # not 77: each key came once
+    assert said("command") == ["go to shelf 7: accepted"]  # not 77: each key came once
     assert terminal.output.count(b"\x1b[?1049h") == 1
 
 
-def test_it_is_suspended_and_comes_back_with_everything_drawn(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_it_is_suspended_and_comes_back_with_everything_drawn(start: Start) -> None:
+    terminal = start()
     terminal.write("\x1a")
     terminal.until(lambda: terminal.settings() == terminal.before)
     terminal.until("\x1b[?1049l")
@@ -112,14 +95,10 @@ def test_it_is_suspended_and_comes_back_with_everything_drawn(terminals: list[Te
     assert terminal.is_as_before()
 
 
-def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
-    terminals: list[Terminal],
-) -> None:
+def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start) -> None:
     exact = [f"{name}:={value}" for name, value in (("drain_min", 0.02), ("drain_max", 0.02))]
     words = [word for text in (*exact, "publish_period:=0.05") for word in ("-p", text)]
-    terminal = Terminal("--ros-args", *words, "-p", "low_battery_threshold:=0.0")
-    terminals.append(terminal)
-    terminal.until("max_speed")
+    terminal = start("--ros-args", *words, "-p", "low_battery_threshold:=0.0")
     terminal.leave_field()
     terminal.write("6el")  # the events on the full screen, with every reading
     terminal.until("Dashboard sees")
@@ -168,12 +147,8 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
     assert terminal.is_as_before()
 
 
-def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
-    terminals: list[Terminal],
-) -> None:
-    terminal = Terminal("--ros-args", "-p", "publish_period:=0.02")
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(start: Start) -> None:
+    terminal = start("--ros-args", "-p", "publish_period:=0.02")
     terminal.leave_field()
     terminal.write("6el")
     for _ in range(30):
@@ -196,10 +171,8 @@ MainScreen.show = failing
 """
 
 
-def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Terminal]) -> None:
-    terminal = Terminal(*SLOW, code=FAIL_ONCE)
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_screen_that_fails_is_started_anew_and_says_why(start: Start) -> None:
+    terminal = start(*SLOW, code=FAIL_ONCE)
     terminal.write("g12\r")
     terminal.until("The screen crashed and was restarted; the nodes kept running.")
     terminal.until("in failing")
@@ -211,9 +184,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
-    assert "the screen crashed: ZeroDivisionError: of the screen" in [
-        entry["text"] for entry in journaled()
-    ]
+    assert "the screen crashed: ZeroDivisionError: of the screen" in said()
 
 
 FAILS_WHEN_OPENED = """
@@ -224,13 +195,9 @@ Help.body = fail
 """
 
 
-def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
-    terminals: list[Terminal],
-) -> None:
+def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(start: Start) -> None:
     far = "-p", "route_length:=1000.0"  # It drives until it is cancelled.
-    terminal = Terminal(*SLOW, *far, code=FAILS_WHEN_OPENED)
-    terminals.append(terminal)
-    terminal.until("max_speed")
+    terminal = start(*SLOW, *far, code=FAILS_WHEN_OPENED)
     terminal.write("g12\r")
     terminal.until("m left of")
     for count in range(1, 5):
@@ -252,7 +219,7 @@ def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
 
 
 def crashes() -> int:
-    return [entry["kind"] for entry in journaled()].count("screen failure")
+    return len(said("screen failure"))
 
 
 # The second screen waits until the file "go" is there; the first one fails as "?" opens its dialog.
@@ -277,13 +244,11 @@ ArchoApp.__init__ = waiting
     ("key", "ended"), [("\x18", "STOP: confirmed"), ("\x03", "shelf 12 cancelled")]
 )
 def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
-    key: str, ended: str, terminals: list[Terminal], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    key: str, ended: str, start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     far = "-p", "route_length:=1000.0"
-    terminal = Terminal(*SLOW, *far, code=FAILS_AND_WAITS, fresh=True)
-    terminals.append(terminal)
-    terminal.until("max_speed")
+    terminal = start(*SLOW, *far, code=FAILS_AND_WAITS)
     terminal.write("g12\r")
     terminal.until("m left of")
     terminal.leave_field()
@@ -291,9 +256,9 @@ def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
     terminal.until((tmp_path / "waits").exists)
     terminal.write(f"r{key}\r")  # The others are not for the screen that follows.
     (tmp_path / "go").touch()
-    terminal.until(lambda: any(ended in str(entry["text"]) for entry in journaled()))
+    terminal.until(lambda: any(ended in text for text in said()))
     terminal.until("The screen crashed: press the key again.")
-    assert not any("reset encoder" in str(entry["text"]) for entry in journaled())
+    assert not any("reset encoder" in text for text in said())
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
@@ -309,15 +274,13 @@ ArchoApp.close_questions = failing
 """
 
 
-def test_a_stop_whose_key_crashes_the_screen_is_sent(terminals: list[Terminal]) -> None:
-    terminal = Terminal(code=FAILS_AT_STOP)
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_stop_whose_key_crashes_the_screen_is_sent(start: Start) -> None:
+    terminal = start(code=FAILS_AT_STOP)
     terminal.write("\x18")
     terminal.until("The screen crashed and was restarted; the nodes kept running.")
-    terminal.until(lambda: any("STOP: confirmed" in str(entry["text"]) for entry in journaled()))
+    terminal.until(lambda: "STOP: confirmed" in said())
     sent = "STOP was read while the screen crashed: sent now"
-    assert sent in [entry["text"] for entry in journaled()]
+    assert sent in said()
     terminal.write("\x11")
     assert terminal.exit_code() == 0
 
@@ -325,32 +288,25 @@ def test_a_stop_whose_key_crashes_the_screen_is_sent(terminals: list[Terminal]) 
 FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
 
 
-def test_a_screen_that_always_fails_is_given_up(terminals: list[Terminal]) -> None:
-    terminal = Terminal(code=FAIL_ALWAYS)
-    terminals.append(terminal)
+def test_a_screen_that_always_fails_is_given_up(start: Start) -> None:
+    terminal = start(code=FAIL_ALWAYS, shows="")
     assert terminal.exit_code() == 1
     assert "the screen keeps crashing: ZeroDivisionError: of the screen" in terminal.text
     assert terminal.is_as_before()
 
 
-def test_after_kill_9_the_last_completed_command_is_in_the_journal(
-    terminals: list[Terminal],
-) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_after_kill_9_the_last_completed_command_is_in_the_journal(start: Start) -> None:
+    terminal = start()
     terminal.write("r")
     terminal.until("reset encoder: Encoder reset to zero")
-    wait_until(lambda: journal_file().exists() and journal_file().stat().st_size > 0)
+    until_said("reset encoder: Encoder reset to zero")
     terminal.kill(signal.SIGKILL)
     assert terminal.exit_code() == -signal.SIGKILL
-    assert journaled()[-1]["text"] == "reset encoder: Encoder reset to zero"
+    assert said()[-1] == "reset encoder: Encoder reset to zero"
 
 
-def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_command_is_copied_through_the_terminal(start: Start) -> None:
+    terminal = start()
     terminal.write("r")
     terminal.until("reset encoder: Encoder reset to zero")
     terminal.leave_field()
@@ -377,21 +333,15 @@ session._robots_nodes = with_hanging
 """
 
 
-def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(
-    terminals: list[Terminal],
-) -> None:
-    terminal = Terminal(code=HANGING_NODE)
-    terminals.append(terminal)
-    terminal.until("online")
+def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(start: Start) -> None:
+    terminal = start(code=HANGING_NODE, shows="online")
     terminal.write("q")
     assert terminal.exit_code() == 1
     assert "/hanging did not stop: its callback does not return" in terminal.text
 
 
-def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) -> None:
-    terminal = Terminal(size=(380, 100))
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_large_terminal_is_drawn_and_stays_alive(start: Start) -> None:
+    terminal = start(size=(380, 100))
     terminal.write("?")
     terminal.until("Show all keys")
     terminal.write("\x1bOP")  # f1 closes it: no escape alone is needed
@@ -405,27 +355,19 @@ def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) ->
     assert terminal.exit_code() == 0
 
 
-def test_keys_from_the_first_moment_on_are_obeyed(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
+def test_keys_from_the_first_moment_on_are_obeyed(start: Start) -> None:
+    terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken, nothing is drawn yet
     terminal.write("3?\x1b\x1b[A\x18")
-    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
+    until_said("STOP: confirmed")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert "Traceback" not in terminal.text
 
 
-def entries_so_far() -> list[dict[str, Any]]:
-    return journaled() if journal_file().exists() else []
-
-
 @pytest.mark.parametrize("delay", [0.0, 0.02])
-def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(
-    delay: float, terminals: list[Terminal]
-) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
+def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(delay: float, start: Start) -> None:
+    terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken
     time.sleep(delay)
     terminal.kill(signal.SIGTERM)
@@ -433,10 +375,8 @@ def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(
     assert terminal.is_as_before()
 
 
-def test_ctrl_c_behind_ctrl_q_changes_nothing(terminals: list[Terminal]) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_ctrl_c_behind_ctrl_q_changes_nothing(start: Start) -> None:
+    terminal = start()
     terminal.write("\x11")
     time.sleep(0.05)
     with contextlib.suppress(ProcessLookupError):
@@ -447,12 +387,8 @@ def test_ctrl_c_behind_ctrl_q_changes_nothing(terminals: list[Terminal]) -> None
 
 
 @pytest.mark.parametrize("piece", corners([2], [5]))
-def test_a_paste_whose_marks_come_in_two_pieces_is_text(
-    piece: int, terminals: list[Terminal]
-) -> None:
-    terminal = Terminal()
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_paste_whose_marks_come_in_two_pieces_is_text(piece: int, start: Start) -> None:
+    terminal = start()
     terminal.leave_field()
     terminal.write("/")
     terminal.until("ype to search")
@@ -466,27 +402,24 @@ def test_a_paste_whose_marks_come_in_two_pieces_is_text(
     terminal.write("_r")
     terminal.until("wheel")
     terminal.write("\x18")  # a key again
-    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
+    until_said("STOP: confirmed")
     terminal.write("\x1b\x11")
     assert terminal.exit_code() == 0
-    assert [e["text"] for e in journaled() if e["kind"] == "command"] == ["STOP: confirmed"]
+    assert said("command") == ["STOP: confirmed"]
 
 
-def test_a_paste_whose_end_is_lost_does_not_swallow_stop(terminals: list[Terminal]) -> None:
-    terminal = Terminal(term="xterm-of-next-year")  # a new name is let in
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_a_paste_whose_end_is_lost_does_not_swallow_stop(start: Start) -> None:
+    terminal = start(term="xterm-of-next-year")  # a new name is let in
     terminal.write("\x1b[200~12")
     time.sleep(2.5)
     terminal.write("\x18")
-    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
+    until_said("STOP: confirmed")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
 
 
-def test_a_terminal_that_cannot_show_a_screen_is_refused(terminals: list[Terminal]) -> None:
-    terminal = Terminal(term="dumb")
-    terminals.append(terminal)
+def test_a_terminal_that_cannot_show_a_screen_is_refused(start: Start) -> None:
+    terminal = start(term="dumb", shows="")
     assert terminal.exit_code() == 2
     said = "archo-tui: TERM is dumb: this terminal cannot show a screen, use --plain"
     assert said in terminal.text
@@ -502,15 +435,12 @@ def test_so_is_one_without_a_name(term: str, said: str, monkeypatch: pytest.Monk
         require_terminal(None)
 
 
-def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Terminal]) -> None:
-    terminal = Terminal(*SLOW, code=FAILS_IN_A_MOVE)
-    terminals.append(terminal)
-    terminal.until("max_speed")
+def test_the_third_failure_of_the_screen_cancels_the_goal(start: Start) -> None:
+    terminal = start(*SLOW, code=FAILS_IN_A_MOVE)
     terminal.write("g12\r")
     assert terminal.exit_code() == 1
-    said = [entry.get("text", "") for entry in journaled()]
-    assert any("keeps crashing: cancelling the goal to shelf 12" in text for text in said), said
-    assert "cancel: accepted" in said
+    assert any("keeps crashing: cancelling the goal to shelf 12" in text for text in said()), said()
+    assert "cancel: accepted" in said()
     assert crashes() == 3
 
 
@@ -528,16 +458,15 @@ console._give_up = later
 
 
 def test_a_stop_typed_behind_the_third_failure_is_sent(
-    terminals: list[Terminal], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    terminal = Terminal(code=FAIL_ALWAYS + GIVES_UP_LATER, fresh=True)
-    terminals.append(terminal)
+    terminal = start(code=FAIL_ALWAYS + GIVES_UP_LATER, shows="")
     terminal.until((tmp_path / "waits").exists)
     terminal.write("\x18")
     (tmp_path / "go").touch()
     assert terminal.exit_code() == 1
-    assert "STOP: confirmed" in [entry["text"] for entry in journaled()]
+    assert "STOP: confirmed" in said()
     assert terminal.is_as_before()
 
 
@@ -553,9 +482,8 @@ MainScreen.show = fail
 """
 
 
-def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(terminals: list[Terminal]) -> None:
-    terminal = Terminal(code=INTERRUPTED, fresh=True)
-    terminals.append(terminal)
+def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(start: Start) -> None:
+    terminal = start(code=INTERRUPTED, fresh=True, shows="")
     assert terminal.exit_code() == -signal.SIGINT
     assert terminal.output == b""
 
@@ -569,12 +497,10 @@ FOREIGN = {
 }
 
 
-def test_sizes_and_keys_in_the_environment_are_not_the_terminals(
-    terminals: list[Terminal],
-) -> None:
-    terminal = Terminal(code=f"import os; os.environ |= {FOREIGN!r}", size=(80, 24), fresh=True)
-    terminals.append(terminal)
-    terminal.until("● online")
+def test_sizes_and_keys_in_the_environment_are_not_the_terminals(start: Start) -> None:
+    terminal = start(
+        code=f"import os; os.environ |= {FOREIGN!r}", size=(80, 24), fresh=True, shows="● online"
+    )
     terminal.until(lambda: "palette" in terminal.text)  # the footer, in the last line of 24
     assert b"STOPPED" not in terminal.output
     terminal.write("q")
@@ -604,13 +530,21 @@ if __name__ == "__main__":
 
 
 def test_what_a_nodes_child_prints_is_an_event_and_leaves_the_screen_whole(
-    here: Path, terminals: list[Terminal]
+    here: Path, start: Start
 ) -> None:
     (here / "clears.py").write_text(CLEARS)
-    terminal = Terminal("--only", "--node", "clears.py")
-    terminals.append(terminal)
-    terminal.until("child words")
+    terminal = start("--only", "--node", "clears.py", shows="child words")
     terminal.until("clears stdout")
     assert b"\x1b[2J\x1b[Hchild" not in terminal.output
     terminal.write("q")
     assert terminal.exit_code() == 0
+
+
+def test_with_256_colours_no_surface_turns_blue_or_black(start: Start) -> None:
+    terminal = start(term="xterm-256color")  # As over SSH and in tmux.
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    behind = {int(number) for number in re.findall(rb"48;5;(\d+)m", terminal.output)}
+    greys, stop, track = {*range(232, 256)}, 124, 16  # A scroll bar is black with all colours, too.
+    assert behind & greys
+    assert behind <= {*greys, track, stop}

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.base.paths import journal_file
 from tests.support.night import corners
-from tests.support.terminal import Terminal
-from tests.support.waiting import wait_until
+from tests.support.terminal import Start, Terminal, said, until_said
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"
 CUT = "The paste was cut off"
@@ -19,19 +15,8 @@ RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: confirmed"
 
 
 @pytest.fixture
-def terminal() -> Iterator[Terminal]:
-    made = Terminal()
-    made.until("max_speed")
-    yield made
-    made.close()
-
-
-def commands() -> list[str]:
-    """What was ordered so far."""
-    if not journal_file().exists():
-        return []
-    entries = (json.loads(line) for line in journal_file().read_text().splitlines())
-    return [entry["text"] for entry in entries if entry["kind"] == "command"]
+def terminal(start: Start) -> Terminal:
+    return start()
 
 
 def ordered_at_the_end(terminal: Terminal) -> list[str]:
@@ -39,14 +24,7 @@ def ordered_at_the_end(terminal: Terminal) -> list[str]:
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert "Traceback" not in terminal.text
-    return commands()
-
-
-def pass_by(terminal: Terminal, seconds: float) -> None:
-    """Let that time pass, drawing."""
-    end = time.monotonic() + seconds
-    while (left := end - time.monotonic()) > 0:
-        terminal.read(left)
+    return said("command")
 
 
 def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> None:
@@ -61,7 +39,7 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
         terminal.until("max_speed")  # what was behind the help
         times.append(time.monotonic() - began)
     terminal.write("r")
-    wait_until(lambda: RESET in commands())
+    until_said(RESET)
     assert min(times) < 0.4  # 0.15, and what it takes to draw
     assert ordered_at_the_end(terminal) == [RESET]
 
@@ -69,11 +47,11 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
 @pytest.mark.parametrize("before", ["", "?", "\x10", "12"])  # in the field, help, the palette
 def test_escape_and_a_digit_at_once_lead_to_a_panel(before: str, terminal: Terminal) -> None:
     terminal.write(before)
-    pass_by(terminal, 0.3)
+    terminal.read_for(0.3)
     terminal.write("\x1b8")  # as tmux sends both; it might be alt+8
     terminal.until("MoveToShelf")  # Graph, over the whole screen
     terminal.write("\x1b6\x1b\x18")
-    wait_until(lambda: STOP in commands())
+    until_said(STOP)
     assert ordered_at_the_end(terminal) == [STOP]
 
 
@@ -87,11 +65,11 @@ def test_answers_of_the_terminal_give_no_command(terminal: Terminal) -> None:
     for answer in answers[:6]:  # the escape alone, within a sequence, within its end
         for at in (1, 6, len(answer) - 1):
             terminal.write(answer[:at])
-            pass_by(terminal, 0.2)
+            terminal.read_for(0.2)
             terminal.write(answer[at:])
     terminal.write("\x1b[1095::120;;99999999999u\x1b[1114112;5u")  # nor do these end the input
     terminal.write("\x1b[1095::120;5u")  # ctrl+x under a Russian layout
-    wait_until(lambda: STOP in commands())
+    until_said(STOP)
     assert ordered_at_the_end(terminal) == [STOP]
 
 
@@ -112,19 +90,19 @@ def test_the_rest_of_a_paste_that_stalled_is_text_and_that_is_said(
     terminal.until("The paste has not ended: what you type is added to it")
     for char in "el_rsr":
         terminal.write(char)
-        pass_by(terminal, 0.3)
+        terminal.read_for(0.3)
     terminal.write(f"\x18r{END}")
     terminal.write("\x18")
-    wait_until(lambda: STOP in commands())
+    until_said(STOP)
     assert ordered_at_the_end(terminal) == [STOP]
 
 
 @pytest.mark.parametrize("stop", corners(["\x18"], ["\x1b[120;5u"]))
 def test_stop_alone_ends_a_paste_at_once(stop: str, terminal: Terminal) -> None:
     terminal.write(f"{BEGIN}12")
-    pass_by(terminal, 0.3)
+    terminal.read_for(0.3)
     terminal.write(stop)
-    wait_until(lambda: STOP in commands(), deadline=1.5)  # before it stalls
+    until_said(STOP, deadline=1.5)  # before it stalls
     terminal.until(CUT)
     assert ordered_at_the_end(terminal) == [STOP]
 
@@ -135,6 +113,6 @@ def test_stop_behind_two_thousand_mouse_moves_waits_for_none_of_them(terminal: T
     for at in range(0, len(moves), 1000):  # a terminal takes a few thousand bytes at once
         terminal.write(moves[at : at + 1000])
     terminal.write("\x18")
-    wait_until(lambda: STOP in commands())
+    until_said(STOP)
     assert time.monotonic() - began < 1.5
     assert ordered_at_the_end(terminal) == [STOP]

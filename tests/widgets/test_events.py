@@ -16,10 +16,10 @@ from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.screen.widgets.events_panel import event_lines, events_as_text
 from archo_tui.session.session import _robots_nodes
 from archo_tui.text.goal import goal_line
-from archo_tui.text.state import fault_text, plain_text
+from archo_tui.text.state import fault_text
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
-from tests.support.states import STATES
+from tests.support.states import STATES, plain_text
 
 
 def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:

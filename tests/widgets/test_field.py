@@ -1,4 +1,4 @@
-"""What is typed into a field acts in its order, however fast it comes."""
+"""What is typed into a field acts in its order; a button is drawn at any width."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import re
 import pytest
 from textual import events
 from textual._compositor import Compositor
+from textual.app import App, ComposeResult
 from textual.geometry import Size
 from textual.screen import Screen
 
 from archo_tui.screen.commands.parameters import EditParameter
 from archo_tui.screen.widgets.bars import FooterKey, footer
-from archo_tui.screen.widgets.field import Field
+from archo_tui.screen.widgets.field import Button, Field
 from tests.support.console import FAST, LONG, PANEL_KEYS, console
 
 _EDITING = ("backspace", "delete", "left", "right", "home", "end", "ctrl+u", "ctrl+k", "ctrl+w")
@@ -141,7 +142,9 @@ async def test_only_the_left_button_acts() -> None:
         await op.until("✗ STOPPED")
 
 
-async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_fields_keys_are_in_the_footer_and_typing_lays_nothing_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     laid_out: list[Screen[object]] = []
     lay_out = Compositor.reflow
 
@@ -150,22 +153,19 @@ async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
         return lay_out(compositor, screen, size)
 
     async with console() as op:
-        await op.press("g", "1")
-        monkeypatch.setattr(Compositor, "reflow", counted)
-        await op.press("2", "backspace")
-        assert laid_out == []
-        await op.press("escape", "h")
-        assert laid_out != []
-
-
-async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() -> None:
-    async with console() as op:
         await op.until(f"g Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels")
         await op.press("g")
         assert op.text.splitlines()[-1].startswith(
             " enter Go  ↑ ↓ Recent goals  esc Leave  ^c Cancel  ^x STOP  "
         )
-        await op.press("escape", "4", "slash")
+        await op.press("1")
+        with monkeypatch.context() as counting:
+            counting.setattr(Compositor, "reflow", counted)
+            await op.press("2", "backspace")
+            assert laid_out == []
+            await op.press("escape", "h")
+            assert laid_out != []
+        await op.press("escape", "escape", "4", "slash")
         await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
         await op.press("escape")
         await op.until(f"{PANEL_KEYS} Panels")
@@ -202,3 +202,22 @@ def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str)
     keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
     line = footer(COMMANDS[1:], width, "^p", keys).plain
     assert line.partition("  ^p")[0].rstrip() == shown.rstrip()
+
+
+class _Narrow(App[None]):
+    CSS = "Button { min-width: 0; width: 2; }"
+
+    def compose(self) -> ComposeResult:
+        yield Button("Release", lambda: None, id="release")
+
+
+async def test_a_button_without_a_cell_for_its_label_is_drawn() -> None:
+    app = _Narrow()
+    async with app.run_test(size=(20, 5)) as pilot:
+        for width in (2, 1, 0, 3):
+            app.query_one(Button).styles.width = width
+            await pilot.pause()
+            assert app.is_running
+            app.query_one(Button).styles.width = 12
+            await pilot.pause()
+            assert "Release" in app.screen._compositor.render_strips()[0].text

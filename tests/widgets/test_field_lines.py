@@ -10,7 +10,6 @@ import pytest
 
 from archo_tui.robot.topics.rows import FieldKind, FieldView, TopicView
 from archo_tui.screen.terminal.ascii import in_ascii
-from archo_tui.text.state import plain_text
 from archo_tui.text.topic import (
     field_columns,
     field_line,
@@ -21,6 +20,7 @@ from archo_tui.text.topic import (
     value_text,
 )
 from tests.support.clock import TIME
+from tests.support.states import plain_text
 
 VALUE, ARRAY = FieldKind.VALUE, FieldKind.ARRAY
 SPEED = FieldView("twist.speed", VALUE, "float32", 0.8, unit="m/s", least=0.0, greatest=0.8)

@@ -8,11 +8,9 @@ import pytest
 
 from archo_tui.robot.state.goal import Phase
 from archo_tui.text.goal import goal_strip
-from archo_tui.text.state import plain_text
-from tests.support.console import screen_text
-from tests.support.quiet import Quiet
-from tests.support.states import ARRIVED, MOVING, STATES
-from tests.support.stub import StandingClock, stub_app
+from tests.support.front import front
+from tests.support.states import ARRIVED, MOVING, STATES, plain_text
+from tests.support.stub import StandingClock
 
 DRIVING = STATES["motor moving"]
 
@@ -44,22 +42,17 @@ SIZES += [((200, 60), 8), ((79, 60), 6)]
 
 
 async def test_bar_history_and_graph_take_the_room_there_is() -> None:
-    app = stub_app(DRIVING, StandingClock(), size=(120, 24))
-    async with app.run_test(size=(120, 24)) as pilot:
+    async with front(DRIVING, StandingClock(), size=(120, 24)) as it:
         for (width, height), rows_of_goal in SIZES:
-            await pilot.resize_terminal(width, height)
-            await Quiet(app).settle()
-            assert app.main.goal.region.height == rows_of_goal, (width, height)
-            app.tick()
-            await Quiet(app).settle()
-            shown = screen_text(app)
+            await it.resize(width, height)
+            assert it.main.goal.region.height == rows_of_goal, (width, height)
+            shown = await it.tick()
             assert ("█▶" in shown) is (rows_of_goal == 8)
             assert len(re.findall("50 %", shown)) == 1
             assert shown.count("about 1.5 s left") == 1
             if width >= 120 and height >= 44:
                 for words in ("7 History", "8 Graph", "remaining 9.0 m", "max_speed"):
                     assert words in shown, words
-                assert app.main.events.region.height >= 8
-        await pilot.resize_terminal(50, 15)
-        await Quiet(app).settle()
-        assert app.main.goal.region.height == 6
+                assert it.main.events.region.height >= 8
+        await it.resize(50, 15)
+        assert it.main.goal.region.height == 6

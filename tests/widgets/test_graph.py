@@ -10,10 +10,10 @@ from std_srvs.srv import Trigger
 
 from archo_tui.robot.state.graph import Resource
 from tests.support import clock
-from tests.support.console import FAST, Console, console, focused_panel, send
-from tests.support.quiet import Quiet
+from tests.support.console import FAST, Console, console
+from tests.support.front import front
 from tests.support.states import NORMAL
-from tests.support.stub import StandingClock, StubRobot, stub_app
+from tests.support.stub import StandingClock
 
 
 async def rows(op: Console, *keys: str) -> list[list[str]]:
@@ -88,77 +88,50 @@ async def test_a_server_is_seen_that_comes_behind_its_client() -> None:
 
 
 async def test_enter_shows_all_that_is_known_of_one() -> None:
-    app = stub_app(NORMAL)
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
-        await quiet.settle()
-        send(app, "8", "down", "enter")  # as over a slow link
-        await quiet.settle()
-        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+    async with front() as it:
+        text = await it.write("8", "down", "enter")
         assert "archo_interfaces/msg/BatteryStatus" in text
         assert "from /battery_monitor" in text
-        send(app, "escape", "end", "enter")
-        await quiet.settle()
-        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
-        assert "served by     /motor_controller" in text
+        assert "served by     /motor_controller" in await it.write("escape", "end", "enter")
 
 
 async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back() -> None:
-    app = stub_app(NORMAL, size=(80, 24))
-    async with app.run_test(size=(80, 24)) as pilot:
-        quiet = Quiet(app)
+    async with front(size=(80, 24)) as it:
         for width, height in ((80, 24), (120, 36), (200, 24)):
-            await pilot.resize_terminal(width, height)
-            send(app, "5")
-            await quiet.settle()
-            assert not app.main.graph.display
-            send(app, "8")
-            await quiet.settle()
-            assert app.main.graph.size.width > width - 6
-            assert not app.main.nodes.region
-            send(app, "escape")
-            await quiet.settle()
-            assert not app.main.graph.display
-            assert focused_panel(app) == 5
-
-
-async def test_its_focus_and_full_screen_outlast_every_size() -> None:
-    app = stub_app(NORMAL, size=(160, 48))
-    async with app.run_test(size=(160, 48)) as pilot:
-        quiet = Quiet(app)
-        send(app, "8")
-        await quiet.settle()
-        await pilot.resize_terminal(149, 43)  # there is no room any more
-        await quiet.settle()
-        assert focused_panel(app) == 4
-        send(app, "8")
-        await quiet.settle()
-        await pilot.resize_terminal(150, 48)
-        await quiet.settle()
-        assert app.main.is_full
-        assert focused_panel(app) == 8
-        send(app, "escape")
-        await quiet.settle()
-        assert focused_panel(app) == 8
-        assert app.main.nodes.region
+            await it.resize(width, height)
+            await it.press("5")
+            assert not it.main.graph.display
+            await it.press("8")
+            assert it.main.graph.size.width > width - 6
+            assert not it.main.nodes.region
+            await it.press("escape")
+            assert not it.main.graph.display
+            assert it.focused_panel == 5
+        # its focus and full screen outlast every size
+        await it.resize(160, 48)
+        await it.press("8")
+        await it.resize(149, 43)  # there is no room any more
+        assert it.focused_panel == 4
+        await it.press("8")
+        await it.resize(150, 48)
+        assert it.main.is_full
+        assert it.focused_panel == 8
+        await it.press("escape")
+        assert it.focused_panel == 8
+        assert it.main.nodes.region
         for width, height in ((1, 1), (300, 80), (20, 3), (160, 30)):
-            await pilot.resize_terminal(width, height)
-            await quiet.settle()
-        assert app.main.graph.region.height >= 5
+            await it.resize(width, height)
+        assert it.main.graph.region.height >= 5
 
 
 async def test_it_costs_nothing_while_nothing_in_it_changes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = StandingClock()
-    app = stub_app(NORMAL, clock, size=(160, 48))
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
-    async with app.run_test(size=(160, 48)):
-        quiet = Quiet(app)
-        send(app, "8")
-        await quiet.settle()
+    async with front(NORMAL, clock, size=(160, 48)) as it:
+        await it.press("8")
         drawn: list[object] = []
-        shown = app.main.graph.focus_target
+        shown = it.main.graph.focus_target
         monkeypatch.setattr(shown, "refresh", lambda *_, **__: drawn.append(1))
         for second in range(3):
             clock.passed += 1.0
@@ -166,23 +139,19 @@ async def test_it_costs_nothing_while_nothing_in_it_changes(
                 name: rate._replace(heard=rate.heard + second)
                 for name, rate in NORMAL.message_rates.items()
             }
-            robot.put(NORMAL._replace(message_rates=rates))
-            app.tick()
-            await quiet.settle()
+            it.robot.put(NORMAL._replace(message_rates=rates))
+            await it.tick()
         assert drawn == []
-        robot.put(NORMAL._replace(resources=NORMAL.resources[1:]))
-        app.tick()
+        it.robot.put(NORMAL._replace(resources=NORMAL.resources[1:]))
+        it.app.tick()
         assert drawn
 
 
 async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
-    app = stub_app(NORMAL, size=(200, 60))
-    async with app.run_test(size=(200, 60)) as pilot:
-        quiet = Quiet(app)
+    async with front(size=(200, 60)) as it:
+        main = it.main
         for width, height in ((150, 30), (160, 48), (200, 60), (300, 80)):
-            await pilot.resize_terminal(width, height)
-            await quiet.settle()
-            main = app.main
+            await it.resize(width, height)
             assert main.nodes.region.height == 7  # three nodes, at least five rows
             upper = main.goal.region.height + main.parameters.region.height
             assert upper == (17 if height <= 40 else main.goal.region.height + 7)
@@ -194,32 +163,24 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
             assert main.events.region.width >= 60
             assert main.events.region.bottom == height - 1
         for size, rows in (((80, 24), 5), ((80, 30), 9), ((120, 36), 15)):
-            await pilot.resize_terminal(*size)
-            await quiet.settle()
+            await it.resize(*size)
             assert main.events.region.height == rows  # three and more, with the border
             assert main.parameters.region.height >= 5  # both that are shown
-        await pilot.resize_terminal(300, 80)
-        await quiet.settle()
+        await it.resize(300, 80)
         nodes = tuple(NORMAL.nodes[0]._replace(name=f"/node_{n}") for n in range(40))
         many = tuple(NORMAL.parameters[0]._replace(name=f"gain_{n}") for n in range(20))
-        robot: StubRobot = app.station.robot  # type: ignore[assignment]
-        robot.put(NORMAL._replace(nodes=nodes, parameters=many))
-        await quiet.settle()
+        await it.put(NORMAL._replace(nodes=nodes, parameters=many))
         assert main.nodes.region.height == 14
         height = main.parameters.region.height
-        send(app, "4", "slash", *"gain_7")  # moves nothing
-        await quiet.settle()
-        assert len(app.main.parameters.focus_target.items) == 1  # type: ignore[attr-defined]
+        await it.write("4", "slash", *"gain_7")  # moves nothing
+        assert len(main.parameters.rows.items) == 1
         assert main.parameters.region.height == height
 
 
 async def test_who_hears_nothing_stands_below_its_topic() -> None:
     said = "viewer hears nothing of lidar on /scan: it asks for RELIABLE, published is BEST_EFFORT."
     scan = Resource("topic", "/scan", ("sensor_msgs/msg/LaserScan",), ("/lidar",), (said,))
-    app = stub_app(NORMAL._replace(resources=(scan, *NORMAL.resources)))
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
-        send(app, "8")
-        await quiet.settle()
-        below = app.main.graph.focus_target.render_line(1).text.strip()
+    async with front(NORMAL._replace(resources=(scan, *NORMAL.resources))) as it:
+        await it.press("8")
+        below = it.main.graph.focus_target.render_line(1).text.strip()
         assert below.startswith("viewer hears nothing of lidar on /scan")

@@ -9,10 +9,9 @@ from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.screen.widgets.nodes_panel import node_columns, node_lines, node_titles
 from archo_tui.text.nodes import NodeRow
 from tests.support.clock import NOW
-from tests.support.console import screen_text
-from tests.support.quiet import Quiet
+from tests.support.front import front
 from tests.support.states import NORMAL
-from tests.support.stub import StandingClock, stub_app
+from tests.support.stub import StandingClock
 
 
 def row(name: str, rate: float | None = 5.0) -> NodeRow:
@@ -68,11 +67,8 @@ def test_a_crash_in_a_narrow_panel_names_the_exception(width: int) -> None:
 
 
 async def test_titles_are_shown_where_there_is_room() -> None:
-    app = stub_app(NORMAL, StandingClock(), size=(120, 36))
-    async with app.run_test(size=(120, 36)) as pilot:
-        for width, height in ((120, 36), (160, 48), (80, 24), (50, 15)):
-            await pilot.resize_terminal(width, height)
-            await Quiet(app).settle()
-            shown = screen_text(app)
+    async with front(NORMAL, StandingClock()) as it:
+        for width, height in ((160, 48), (120, 36), (80, 24), (50, 15)):
+            shown = await it.resize(width, height)
             assert ("heard" in shown) is (width >= 120)
             assert "5.0" in shown or width < 80

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
-from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionServer
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session.session import _robots_nodes
 from archo_tui.text.nodes import NodeRow
-from archo_tui.text.state import motion_word, plain_text
+from archo_tui.text.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
-from tests.support.states import NORMAL, STATES
+from tests.support.stand_in import StandIn
+from tests.support.states import NORMAL, STATES, plain_text
 
 
 async def select(op: Console, name: str) -> None:
@@ -101,17 +99,18 @@ def _nodes(op: Console) -> Any:
     return op.app.view.snapshot.nodes
 
 
-async def test_stopping_what_drives_is_asked_about_and_its_goal_is_lost() -> None:
+async def test_stopping_what_drives_is_asked_about_alone_and_its_goal_is_lost() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
-        await op.until("MOVING to 12")
-        await op.press("escape")
+        await op.until("m left of")
+        await op.press("escape", "5", "home", "s")
+        await op.until("○ battery_monitor  stopped by you")
         await select(op, "/motor_controller")
         await op.press("s")
         await op.until("serves")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
-        assert "stopped by you" not in op.text
+        assert op.text.count("○ ") == 1
         await op.press("s")
         await op.until("Stop the node?")
         await op.press("tab", "enter")
@@ -119,28 +118,11 @@ async def test_stopping_what_drives_is_asked_about_and_its_goal_is_lost() -> Non
         await op.until("✗ LOST         the robot may still be moving")
 
 
-class Driver(Node):
-    """Has a goal that never ends."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("driver", **options)
-        ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-
-    async def execute(self, goal: Any) -> Any:
-        await Future()
-
-
-class Brake(Node):
-    """Serves STOP, and nothing else."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("brake", **options)
-        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
-
-
 async def test_stopping_what_only_serves_stop_is_asked_about_in_a_move() -> None:
-    async with console(node_makers=[Driver, Brake], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
+    driver, brake = partial(StandIn, "driver", goals="drive"), partial(StandIn, "brake", "yes")
+    async with console(node_makers=[driver, brake], wait=False) as op:
+        wanted = {"move_to_shelf", "emergency_stop"}
+        await op.until(lambda: op.app.view.snapshot.offered >= wanted)
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("escape")
@@ -214,14 +196,6 @@ async def test_another_node_that_serves_is_asked_about_and_those_elsewhere_stay(
         await op.until("Run another")
         await op.press("tab", "enter")
         await op.until("● motor_controller_2")
-
-
-async def test_stopping_a_node_that_does_not_drive_is_not_asked_about() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("m left of")
-        await op.press("escape", "5", "home", "s")
-        await op.until("○ battery_monitor  stopped by you")
 
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\u202e\u2028\u061c\U000e0041\ud800" + "a" + "\u0301" * 40

@@ -300,7 +300,13 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(
         await op.until("6.0 *  double")
 
 
-async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
+def shown(op: Console, said: str) -> bool:
+    """True when the dialog's line ends so, wherever it is wrapped."""
+    (line,) = op.app.screen.query(".error").results(Static)
+    return str(line.content).endswith(said)
+
+
+async def test_a_strange_place_is_one_line_and_a_dialog_left_says_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     go_on = asyncio.Event()
@@ -309,25 +315,6 @@ async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
         await go_on.wait()
         raise ArchoError("no such file")
 
-    async with console(*FAST) as op:
-        await op.press("4", "ctrl+o")
-        dialog: Any = op.app.screen
-        monkeypatch.setattr("archo_tui.verbs.parameters.in_daemon", slow)
-        await op.press("enter", "escape")
-        assert op.app.screen is op.app.main
-        go_on.set()
-        await op.settle()
-        dialog.show_message("too late")
-        assert op.app.is_running
-
-
-def shown(op: Console, said: str) -> bool:
-    """True when the dialog's line ends so, wherever it is wrapped."""
-    (line,) = op.app.screen.query(".error").results(Static)
-    return str(line.content).endswith(said)
-
-
-async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(tmp_path: Path) -> None:
     places = hostile.places(tmp_path) | {"~nosuchuser/x": "no home folder is known for ~nosuchuser"}
     async with console() as op:
         for key in ("ctrl+s", "ctrl+o"):
@@ -340,6 +327,16 @@ async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(tmp_p
                 await op.until(lambda: shown(op, said))  # noqa: B023
                 assert op.app.screen.query("#path")
             await op.press("escape")
+
+        await op.press("4", "ctrl+o")
+        dialog: Any = op.app.screen
+        monkeypatch.setattr("archo_tui.verbs.parameters.in_daemon", slow)
+        await op.press("enter", "escape")
+        assert op.app.screen is op.app.main
+        go_on.set()
+        await op.settle()
+        dialog.show_message("too late")
+        assert op.app.is_running
 
 
 async def test_backspace_offers_the_start_and_space_switches_a_boolean() -> None:

@@ -36,7 +36,7 @@ async def test_several_targets_are_driven_in_turn_and_a_mistake_stays_said() -> 
         assert "Shelf: not a whole number: x" in op.text
 
 
-async def test_a_double_enter_sends_once_and_a_form_waits_in_the_queue() -> None:
+async def test_a_double_enter_sends_once_a_form_waits_and_a_cancel_holds_the_rest() -> None:
     async with console(*LONG) as op:
         await op.press("g", "5", "enter", "enter")
         await op.until("MOVING to 5")
@@ -51,14 +51,10 @@ async def test_a_double_enter_sends_once_and_a_form_waits_in_the_queue() -> None
         await op.settle()  # not with the next second only
         assert "then 6, 7" in op.text
 
-
-async def test_what_is_typed_behind_enter_in_one_burst_is_the_next_target() -> None:
-    async with console(*LONG) as op:
-        op.send("g", *"12", "enter", *"7")
-        await op.until("MOVING to 12")
-        assert op.app.main.goal.fields[0].value == "7"
-        await op.press("enter")
-        await op.until("then 7")
+        await op.press("ctrl+c")
+        await op.until("held: 6, 7 (cancelled)   n continue   k skip")
+        await op.settle()
+        assert history(op) == ["5 CANCELLED"]
 
 
 async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: Path) -> None:
@@ -77,20 +73,13 @@ async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: 
         await op.until(lambda: history(op)[-1] == "3 ARRIVED")
 
 
-async def test_a_cancel_ends_the_running_one_and_holds_the_rest() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12 7", "enter")
-        await op.until("m left of")
-        await op.press("ctrl+c")
-        await op.until("held: 7 (cancelled)   n continue   k skip")
-        await op.settle()
-        assert history(op) == ["12 CANCELLED"]
-
-
 async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing() -> None:
     async with console(*LONG) as op:
-        await op.press("g", *"12 7", "enter")
+        op.send("g", *"12", "enter", *"7")  # what is typed behind enter is the next target
         await op.until("m left of")
+        assert op.app.main.goal.fields[0].value == "7"
+        await op.press("enter")
+        await op.until("then 7")
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
         await op.until("held: 7 (STOP)")

@@ -6,6 +6,8 @@ import asyncio
 import re
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
+from itertools import count
 from typing import Any
 
 import pytest
@@ -15,16 +17,12 @@ from std_msgs.msg import Float32, Float32MultiArray, Float64, String
 from textual.geometry import Region
 from textual.screen import Screen
 
-from archo_tui.screen.app import ArchoApp
 from archo_tui.screen.commands import graph
 from archo_tui.screen.commands.alarms import AlarmList
-from archo_tui.screen.widgets.rows import Rows
 from tests.support import clock
-from tests.support.console import Console, console, send
-from tests.support.quiet import Quiet
-from tests.support.robot import making
-from tests.support.states import NORMAL
-from tests.support.stub import StubRobot, stub_app
+from tests.support.console import Console, console
+from tests.support.front import Front, front_of, reset_main
+from tests.support.robot import hearing
 
 _DRAW = Screen._compositor_refresh
 
@@ -46,41 +44,31 @@ class Viewer(Node):
         self.create_subscription(String, "scan", lambda _: None, qos)
 
 
-class Counter(Node):
-    """It counts at 10 Hz."""
+class Counting(Node):
+    """It publishes something of a number that counts, at 10 Hz."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__("counter", **options)
-        self._count, publisher = 0.0, self.create_publisher(Float32, "count", 10)
+    def __init__(self, name: str, kind: Any, data: Callable[[int], Any], **options: Any) -> None:
+        super().__init__(name, **options)
+        numbers, publisher = count(1), self.create_publisher(kind, name, 10)
+        self.create_timer(0.1, lambda: publisher.publish(kind(data=data(next(numbers)))))
 
-        def publish() -> None:
-            self._count += 0.5
-            publisher.publish(Float32(data=self._count))
 
-        self.create_timer(0.1, publish)
+COUNT = partial(Counting, "count", Float32, lambda number: number / 2)
+STEPS = partial(Counting, "steps", Float32MultiArray, lambda number: [float(number)] * 30)
+EXTREME = partial(Counting, "extreme", Float64, lambda number: 1.7e308 * (-1) ** number)
 
 
 async def open_topic(op: Console, name: str) -> None:
     """Open the dialog of a topic by the Graph."""
     await op.until(lambda: any(r.name == name for r in op.app.view.snapshot.resources))
-    await op.press("8")
+    await op.press("8", "home")
     while not (row := op.app.main.graph.selected) or row.resource.name != name:
         await op.press("down")
     await op.press("enter")
 
 
-async def test_ends_that_do_not_fit_are_named_with_the_side_to_change() -> None:
-    async with console(node_makers=[Lidar, Viewer], wait=False) as op:
-        await open_topic(op, "/scan")
-        await op.until(lambda: "from /lidar BEST_EFFORT, VOLATILE" in op.words)
-        await op.until(lambda: "to /viewer RELIABLE, TRANSIENT_LOCAL" in op.words)
-        await op.until("viewer hears nothing of lidar on /scan: it asks for RELIABLE")
-        await op.until("Publish RELIABLE, or")
-        await op.press("escape")
-
-
 async def test_fields_follow_the_topic_while_it_is_open_and_say_when_nobody_publishes() -> None:
-    async with console(node_makers=[Counter], wait=False) as op:
+    async with console(node_makers=[COUNT], wait=False) as op:
         await open_topic(op, "/count")
         await op.until("types and QoS of all of them fit")
         await op.until("10.0 Hz   80 B/s")
@@ -108,7 +96,7 @@ async def test_fields_follow_the_topic_while_it_is_open_and_say_when_nobody_publ
         await op.press("p", "space")
         await op.until("frozen")
         frozen = op.line("┃   data")
-        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/counter"})
+        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/count"})
         halting = asyncio.ensure_future(halted)
         await op.until(halting.done)
         await op.until("it has no publisher: waiting for one")
@@ -133,22 +121,14 @@ async def test_a_topic_just_opened_shows_the_rate_of_the_graph_or_none() -> None
         assert "1.0" in seen
 
 
-class Extreme(Node):
-    """It alternates between the least and the greatest number, at 10 Hz."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("extreme", **options)
-        self._next, publisher = 1.7e308, self.create_publisher(Float64, "extreme", 10)
-
-        def publish() -> None:
-            self._next = -self._next
-            publisher.publish(Float64(data=self._next))
-
-        self.create_timer(0.1, publish)
-
-
-async def test_the_greatest_and_the_least_number_are_drawn_and_plotted() -> None:
-    async with console(node_makers=[Extreme], wait=False) as op:
+async def test_ends_that_do_not_fit_are_named_and_the_greatest_numbers_plotted() -> None:
+    async with console(node_makers=[Lidar, Viewer, EXTREME], wait=False) as op:
+        await open_topic(op, "/scan")
+        await op.until(lambda: "from /lidar BEST_EFFORT, VOLATILE" in op.words)
+        await op.until(lambda: "to /viewer RELIABLE, TRANSIENT_LOCAL" in op.words)
+        await op.until("viewer hears nothing of lidar on /scan: it asks for RELIABLE")
+        await op.until("Publish RELIABLE, or")
+        await op.press("escape", "escape")
         await open_topic(op, "/extreme")
         await op.until("-1.7e+308 .. 1.7e+308")
         await op.until(lambda: "█" in op.line("┃   data"))
@@ -158,84 +138,54 @@ async def test_the_greatest_and_the_least_number_are_drawn_and_plotted() -> None
         assert "cannot be drawn" not in op.text
 
 
-async def test_a_field_that_cannot_be_drawn_says_so_in_its_line(
+async def test_what_cannot_be_drawn_says_so_and_the_screen_goes_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def break_down(*_: object) -> None:
         raise ZeroDivisionError("nothing to divide")
 
+    why = "✗ cannot be drawn: ZeroDivisionError: nothing to divide"
     monkeypatch.setattr(graph, "field_line", break_down)
-    async with console(node_makers=[Counter], wait=False) as op:
+    async with console(node_makers=[COUNT], wait=False) as op:
         await open_topic(op, "/count")
-        await op.until("✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.until(why)
         await op.until("10.0 Hz   80 B/s")
         monkeypatch.setattr(graph, "summary", break_down)
         await op.until(lambda: op.text.count("✗ cannot be drawn") == 2)
         await op.press("escape")
         await op.until(lambda: "cannot be drawn" not in op.text)
-
-
-async def test_a_dialog_that_cannot_show_a_state_says_so_and_the_screen_goes_on(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def break_down(*_: object) -> None:
-        raise ZeroDivisionError("nothing to divide")
-
-    async with console(node_makers=[Counter], wait=False) as op:
-        await op.press("A")
+        await op.press("escape", "A")
         monkeypatch.setattr(AlarmList, "show_view", break_down)
-        await op.until("AlarmList ✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.until(f"AlarmList {why}")
         await op.press("escape", "ctrl+x")
         await op.until("STOP")
 
 
-@asynccontextmanager
-async def opened(size: tuple[int, int] = (120, 36)) -> AsyncIterator[Opened]:
-    """The dialog of a topic with fields of every kind."""
-    app = stub_app(NORMAL, size=size)
-    async with app.run_test(size=size):
-        quiet = Quiet(app)
-        await quiet.settle()
-        shown = Opened(app, quiet)
-        await shown.reopen()
-        yield shown
+class Opened(Front):
+    """The dialog of a topic with fields of every kind, by its keys and lines."""
 
-
-class Opened:
-    """The dialog, by its keys and lines."""
-
-    def __init__(self, app: ArchoApp, quiet: Quiet) -> None:
-        self.app, self._quiet = app, quiet
-
-    async def press(self, *keys: str) -> None:
+    async def press(self, *keys: str) -> str:
         """Press keys, one after the other, and let the next view come."""
-        robot: StubRobot = self.app.station.robot  # type: ignore[assignment]
-        for key in keys:
-            send(self.app, key)
-            await self._quiet.settle()
-        robot.show_topic()
-        await self._quiet.settle()
+        await super().press(*keys)
+        self.robot.show_topic()
+        return await self.settle()
 
     async def reopen(self) -> None:
         """Open the dialog anew, as it is at first."""
-        while self.app.screen is not self.app.main:
+        while self.app.screen is not self.main:
             await self.press("escape")
         await self.press("8", "home", "down", "enter")
 
-    async def until(self, holds: Callable[[], object]) -> None:
-        """Wait until it holds, and let the next view come before."""
-        await self.press()
-        await self._quiet.until(holds, lambda: self.text)
-
     @property
     def text(self) -> str:
-        """Return what is on the screen."""
-        return "\n".join(strip.text for strip in self.app.screen._compositor.render_strips())
+        return "\n".join(strip.text for strip in self.strips)
 
-    @property
-    def cursor(self) -> str:
-        """Return the path of the field under the cursor."""
-        return str(self.app.screen.query_one(Rows).item_key)
+
+@asynccontextmanager
+async def opened(size: tuple[int, int] = (120, 36)) -> AsyncIterator[Opened]:
+    async with front_of(Opened, size=size) as shown:
+        await shown.reopen()
+        yield shown
 
 
 async def test_the_keys_of_the_dialog_fold_search_plot_and_copy() -> None:
@@ -246,7 +196,7 @@ async def test_the_keys_of_the_dialog_fold_search_plot_and_copy() -> None:
         assert "base_link" not in shown.text
         await shown.press("down", "down", "enter")
         assert "[9]" in shown.text
-        await shown.press(*["down"] * 21)
+        await shown.write(*["down"] * 21)
         assert "[19]" in shown.text
         assert "enter shows 20 more of 360" in shown.text
         await shown.press("enter")
@@ -279,7 +229,8 @@ async def test_the_keys_of_the_dialog_fold_search_plot_and_copy() -> None:
 
         await shown.reopen()
         dialog = shown.app.screen
-        send(shown.app, "t", "enter", "p")
+        await shown.write("t", "enter", "p")
+        await shown.press()
         await shown.until(lambda: shown.app.screen is dialog and "60 s ago" in shown.text)
 
         await shown.reopen()
@@ -305,22 +256,8 @@ async def test_a_clock_behind_a_dialog_has_only_itself_drawn(
         del app.screen.refresh
 
 
-class Steps(Node):
-    """It publishes an array of a number that counts, at 10 Hz."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("steps", **options)
-        self._count, publisher = 0.0, self.create_publisher(Float32MultiArray, "steps", 10)
-
-        def publish() -> None:
-            self._count += 1.0
-            publisher.publish(Float32MultiArray(data=[self._count] * 30))
-
-        self.create_timer(0.1, publish)
-
-
 async def test_an_array_that_is_opened_frozen_shows_the_elements_of_then() -> None:
-    async with console(node_makers=[Steps], wait=False) as op:
+    async with console(node_makers=[STEPS], wait=False) as op:
         await open_topic(op, "/steps")
         await op.until("float32[30]")
         await op.press("end", "space")
@@ -334,31 +271,28 @@ async def test_an_array_that_is_opened_frozen_shows_the_elements_of_then() -> No
         await op.until(lambda: float(op.line("[5]").split()[2]) > float(frozen) + 20)
 
 
-@pytest.mark.parametrize("size", [(50, 15), (80, 24), (40, 10), (200, 60)])
-async def test_it_fits_every_size_and_leaves_the_state_in_sight(size: tuple[int, int]) -> None:
-    async with opened(size) as shown:
-        box = shown.app.screen.query_one(".topic").region
-        assert box.y == 2
-        assert box.x == (shown.app.main.graph.region.right if size[0] >= 160 else 0)
-        assert "percentage" in shown.text
-        assert "81.55 %" in shown.text
-        assert "STOP" in shown.text
-        await shown.press("p")
-        assert "percentage" in shown.text
-
-
-class Told(Node):
-    """It keeps the words that it hears."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("told", **options)
-        self.heard: list[str] = []
-        self.create_subscription(String, "words", lambda m: self.heard.append(m.data), 10)
+async def test_it_fits_every_size_and_leaves_the_state_in_sight() -> None:
+    async with opened() as shown:
+        for width, height in ((50, 15), (80, 24), (40, 10), (200, 60)):
+            while shown.app.screen is not shown.main:
+                await shown.press("escape")
+            reset_main(shown.main)
+            await shown.resize(width, height)
+            await shown.reopen()
+            box = shown.app.screen.query_one(".topic").region
+            assert box.y == 2
+            assert box.x == (shown.main.graph.region.right if width >= 160 else 0)
+            assert "percentage" in shown.text
+            assert "81.55 %" in shown.text
+            assert "STOP" in shown.text
+            await shown.press("p")
+            assert "percentage" in shown.text
 
 
 async def test_a_message_is_published_from_the_topic_and_shown_in_nodes_until_ctrl_c() -> None:
-    made: list[Told] = []
-    async with console(node_makers=[making(made, Told)], wait=False, size=(120, 36)) as op:
+    heard: list[str] = []
+    words = hearing(heard, String, read=lambda message: message.data)
+    async with console(node_makers=[words], wait=False) as op:
         await open_topic(op, "/words")
         await op.press("P")
         await op.until("/words  std_msgs/msg/String")
@@ -366,11 +300,11 @@ async def test_a_message_is_published_from_the_topic_and_shown_in_nodes_until_ct
         await op.press("enter", "end", "backspace", "backspace", "backspace", "2", "0")
         await op.press("enter", "end", "backspace", "0", "enter")
         await op.until("This may move the robot. Publish to /words")
-        assert made[0].heard == []
+        assert heard == []
         await op.at(clock.seconds() + 1.0)
         await op.press("enter")
-        await op.until(lambda: len(made[0].heard) > 3)
-        assert set(made[0].heard) == {"hello"}
+        await op.until(lambda: len(heard) > 3)
+        assert set(heard) == {"hello"}
         await op.press("escape", "escape", "5")
         await op.until("▶ pub /words")
         await op.until("at 20 Hz, cancel ends it")
