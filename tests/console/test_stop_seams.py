@@ -110,8 +110,10 @@ async def test_what_was_typed_for_a_dialog_that_stop_closed_is_no_command(opened
         assert it.app.screen is it.main
 
 
-async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
-    flood = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(1200))
+@pytest.mark.parametrize("kind", ["the mouse", "letters", "arrows"])
+async def test_stop_has_its_turn_in_a_flood(kind: str) -> None:
+    wheel = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(1200))
+    flood = {"the mouse": wheel, "letters": b"xy" * 600, "arrows": b"\x1b[A\x1b[B" * 600}[kind]
     async with screen("motor moving") as it:
         handled = 0
         on_event = it.app.on_event

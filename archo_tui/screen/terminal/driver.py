@@ -64,6 +64,9 @@ class DriverApp(StopKeyOwner, Protocol):
     def stop_typed(self, message: Message) -> None:
         """Stop the robot at once, before any key that waits."""
 
+    def post_message(self, message: Message) -> bool:
+        """Queue a message for the app; Textual's."""
+
 
 class TerminalWriter(threading.Thread):
     """A thread that writes to a terminal at its pace, and drops frames that are too much for it."""
@@ -291,7 +294,7 @@ class SteadyDriver(LinuxDriver):
             self.process_message(message)
 
     def send_message(self, message: Message) -> None:
-        self._app.post_message(message)  # Textual's own begins a task for each message.
+        self._console.post_message(message)  # Textual's own begins a task for each message.
 
     def _on_stop_key(self, message: Message) -> None:
         self._call_on_loop(partial(self._console.stop_typed, message))
