@@ -13,6 +13,7 @@ from archo_tui.text.state import (
     Spans,
     battery_line,
     battery_word,
+    motion_age,
     motion_unit,
     motion_word,
     no_reading_reason,
@@ -51,6 +52,7 @@ def motion_text(snapshot: Snapshot, now: float) -> str:
         parts.append(f"{found.count} {motion_unit(snapshot, 'count') or ''}".rstrip())
     if found.speed is not None:
         parts.append(speed_text(snapshot))
+    parts += (text.strip() for text, _ in motion_age(snapshot, now))
     return ", ".join(parts)
 
 

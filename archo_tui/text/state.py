@@ -97,12 +97,13 @@ def age_text(seconds: float) -> str:
     return f"{seconds / 3600:.1f} h" if seconds < 35_000 else f"{seconds / 3600:.0f} h"
 
 
-def late_text(received: float | None, now: float) -> str:
-    """Return the age of a reading whose topic is slow, as `6 s ago`; "" within 3 s."""
+def age_of_slow(received: float | None, now: float) -> Spans:
+    """Return the age of a reading whose topic is slow, as `  6 s ago`; empty within 3 s."""
     age = 0.0 if received is None else now - received
     if age <= _LATE:
-        return ""
-    return f"{age_text(age) if age > 10 else f'{age:.0f} s'} ago"  # Tenths cost a drawing each.
+        return ()
+    # Tenths would cost a drawing each.
+    return ((f"  {age_text(age) if age > 10 else f'{age:.0f} s'} ago", OLD),)
 
 
 def seconds_text(seconds: float) -> str:
@@ -144,9 +145,9 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((f"{glyph} {word}", tone),)
     volts = f" {fixed_width(battery.voltage, '4.1f')} V"
     line = [(f"{glyph} {word:<8}", tone), (f" {charge}", PLAIN), (volts, PLAIN)]
-    if late := late_text(battery.received, now):
-        fits = len(f"{glyph} {word:<8} {charge}{volts} {late}") <= width
-        line[len(line) if fits else 2 :] = [(f" {late}", OLD)]  # Its age is worth more than V.
+    if late := age_of_slow(battery.received, now):
+        fits = sum(len(text) for text, _ in (*line, *late)) <= width
+        line[len(line) if fits else 2 :] = late  # Its age is worth more than V.
     return tuple(line)
 
 
@@ -240,10 +241,15 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     if snapshot.latch is Latch.HELD and motion.stopped is False and not motion.moving:
         text = "✗ STOP CONFIRMED, not reported by the robot"
         word = (text if len(text) <= width else "✗ STOP CONFIRMED", BAD)
-    stop, late = snapshot.file.stop, late_text(motion.received, now)
+    stop = snapshot.file.stop
     no_stop = "" if stop is None else snapshot.unavailable(stop.service)
-    behind = (f"   no STOP: {no_stop}" if no_stop else "", BAD), (f"  {late}" if late else "", OLD)
-    return word, *(span for span in behind if span[0])
+    return (word, (f"   no STOP: {no_stop}", BAD)) if no_stop else (word,)
+
+
+def motion_age(snapshot: Snapshot, now: float) -> Spans:
+    """Return how long ago a slow robot has reported its motion, if that is not old; else empty."""
+    motion = snapshot.motion
+    return () if motion.is_old(now) else age_of_slow(motion.received, now)
 
 
 def gauge_line(reading: GaugeReading, now: float) -> Spans:
@@ -258,7 +264,7 @@ def gauge_line(reading: GaugeReading, now: float) -> Spans:
         return (name, OLD), (f"{text} (old, {age_text(now - reading.received)})", OLD)
     if reading.warning:
         return (f"▲ {name}", WARN), (f"{text}, {reading.warning}", WARN)
-    return (name, PLAIN), (text, PLAIN)
+    return (name, PLAIN), (text, PLAIN), *age_of_slow(reading.received, now)
 
 
 def pose_line(snapshot: Snapshot, now: float) -> Spans:
@@ -274,7 +280,7 @@ def pose_line(snapshot: Snapshot, now: float) -> Spans:
     text = "  ".join([*parts, *filter(None, [pose.frame])])
     if pose.is_old(now):
         return ((f"{text} (old, {age_text(now - pose.received)})", OLD),)
-    return ((text, PLAIN),)
+    return (text, PLAIN), *age_of_slow(pose.received, now)
 
 
 def no_reading_reason(snapshot: Snapshot) -> str:

@@ -113,7 +113,7 @@ async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> 
         motion=replace(NORMAL.motion, received=NOW - 4.2, period=6.0),
     )
     assert line_by_line.battery_text(slow, NOW).endswith("24.1 V, 7 s ago")
-    assert line_by_line.motion_text(slow, NOW).startswith("IDLE, 4 s ago, ")
+    assert line_by_line.motion_text(slow, NOW).endswith("0.00 m/s, 4 s ago")
     async with front(slow, StandingClock(), size=(80, 24)) as it:
         assert re.search(r"● GOOD +87.5 % +7 s ago", it.text)
         assert "● IDLE  4 s ago" in it.text

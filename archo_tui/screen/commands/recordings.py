@@ -28,7 +28,7 @@ from archo_tui.screen.terminal.app import COMMANDS, start_worker
 from archo_tui.text.columns import Columns, Text, crop
 
 _POLL = 0.1  # Seconds between two looks for an alarm.
-_LAST = 1.0  # Seconds in which a replay ends by itself.
+_LAST = 0.5  # Seconds in which a replay ends by itself; less than the console itself has to end.
 
 
 class ShowRecordings(Command):

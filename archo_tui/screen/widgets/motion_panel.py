@@ -11,7 +11,15 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.screen.widgets.field import Button
 from archo_tui.screen.widgets.line import Line, aligned, content
 from archo_tui.screen.widgets.panel import Panel, ScreenState
-from archo_tui.text.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
+from archo_tui.text.state import (
+    PLAIN,
+    STOPPED,
+    gauge_line,
+    motion_age,
+    motion_line,
+    motion_word,
+    pose_line,
+)
 
 
 class MotionPanel(Panel, can_focus=True):
@@ -69,10 +77,12 @@ class MotionPanel(Panel, can_focus=True):
         self._services[-1][1].set_class(stopped, "-stopped")
         self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
         can_release = stopped and key and "release" not in view.blocked
+        age = motion_age(view.snapshot, view.now)
         if can_release:
-            self._word.show(Content.assemble(content(state), Content.from_markup(release)))
+            markup = Content.from_markup(release)
+            self._word.show(Content.assemble(content(state), markup, content(age)))
         else:
-            self._word.show_spans(state)
+            self._word.show_spans((*state, *age))
         if self._has_pose:
             self._pose.show_spans(pose_line(view.snapshot, view.now))
         for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):
