@@ -154,15 +154,19 @@ def test_a_grave_alarm_leads_back_and_a_stop_pressed_meanwhile_is_sent(
     terminal.until("\x07")
 
 
-def test_a_stop_pressed_as_the_console_ends_is_sent(playing: Callable[..., Terminal]) -> None:
+@pytest.mark.parametrize("hangs", [False, True], ids=["slow", "hanging"])
+def test_a_stop_pressed_as_the_console_ends_is_sent(
+    playing: Callable[..., Terminal], hangs: bool
+) -> None:
     terminal = playing()
     replay = _replay_of(terminal)
-    os.kill(replay, signal.SIGSTOP)  # It is slow to end.
+    os.kill(replay, signal.SIGSTOP)
     terminal.kill(signal.SIGTERM)
     state = Path(f"/proc/{replay}/status")
     terminal.until(lambda: _has_pending(state, signal.SIGTERM))
     terminal.write("\x18")
-    os.kill(replay, signal.SIGCONT)
+    if not hangs:
+        os.kill(replay, signal.SIGCONT)
     assert terminal.exit_code() == 128 + signal.SIGTERM
     lines = map(json.loads, state_file("journal.jsonl").read_text().splitlines())
     assert ("stop", "done") in [(line.get("verb"), line.get("code")) for line in lines]

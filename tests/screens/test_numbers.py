@@ -14,11 +14,12 @@ from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
 from archo_tui.text import line_by_line
 from archo_tui.text.state import PLAIN, charge_bar, marked_tone
+from archo_tui.verbs.as_json import state
 from tests.support.clock import NOW, TIME
 from tests.support.front import front
 from tests.support.night import corners
 from tests.support.states import MOVING, NORMAL, plain_text
-from tests.support.stub import StandingClock
+from tests.support.stub import StandingClock, StubRobot, stub_station
 
 # each number begins with a nine: a part of one is then no other number of the screen
 WHOLE = NORMAL._replace(
@@ -117,3 +118,11 @@ async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> 
     async with front(slow, StandingClock(), size=(80, 24)) as it:
         assert re.search(r"● GOOD +87.5 % +7 s ago", it.text)
         assert "● IDLE  4 s ago" in it.text
+        stopped = replace(slow.motion, stopped=True, received=NOW - 13, period=20.0)
+        it.robot.put(slow._replace(motion=stopped))
+        await it.settle()
+        assert "│✗ STOPPED  13 s ago" in it.text
+        assert "press R to release" in it.text
+    station = stub_station(StubRobot(slow), StandingClock())
+    station.on_snapshot(slow)
+    assert state(station)["motion"]["word"] == "IDLE"  # Which programs compare.

@@ -78,9 +78,9 @@ class MotionPanel(Panel, can_focus=True):
         self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
         can_release = stopped and key and "release" not in view.blocked
         age = motion_age(view.snapshot, view.now)
-        if can_release:
-            markup = Content.from_markup(release)
-            self._word.show(Content.assemble(content(state), markup, content(age)))
+        line = Content.assemble(content(state), Content.from_markup(release), content(age))
+        if can_release and (not age or line.cell_length <= width):  # The banner names the key, too.
+            self._word.show(line)
         else:
             self._word.show_spans((*state, *age))
         if self._has_pose:
