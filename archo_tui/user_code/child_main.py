@@ -58,8 +58,6 @@ def main() -> int:
         text, traceback = file.explain(error)
         reporter.report(error=text, traceback=traceback)
         return 1
-    finally:
-        reporter.destroy_nodes()
     return 0
 
 
@@ -120,6 +118,7 @@ class _Reporter:
             spins.add(node, this, rclpy.get_global_executor())
             return add_node(this, node)
 
+        atexit.register(self._destroy_nodes)  # Behind the end of all threads of the program.
         probe = Probe(file.code, lambda: nodes, threading.enumerate)
         threading.Thread(target=self._read, args=(requests, probe), daemon=True).start()
         Context.init = init  # type: ignore[assignment, method-assign]
@@ -134,7 +133,7 @@ class _Reporter:
         with contextlib.suppress(BrokenPipeError):  # The console was killed, and so is this.
             os.write(self._descriptor, json.dumps(what).encode() + b"\n")
 
-    def destroy_nodes(self) -> None:
+    def _destroy_nodes(self) -> None:
         """Take the nodes off the graph, where Kilted leaves those that are referenced for 20 s."""
         for node in self._nodes:
             with contextlib.suppress(Exception):  # The program may have destroyed parts of it.
