@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rclpy import _time_source
 from rclpy.qos import incompatible_policy
 
 if TYPE_CHECKING:
@@ -111,15 +109,6 @@ class Graph:
                 if not table[name]:
                     del table[name]
             self.changed.notify_all()
-
-    def wait_until(self, holds: Callable[[], bool], timeout_sec: float | None) -> bool:
-        """Block until it holds; return False when the time is up before.
-
-        None means no limit, a negative timeout no wait.
-        """
-        with self.changed:
-            until = _time_source.patience_ns(timeout_sec)
-            return _time_source.wait_until(self.changed, holds, until)
 
     def servers(self, name: str, srv_type: type) -> list[Service[Any, Any]]:
         """Return the services of that name and type, in the order in which they came."""

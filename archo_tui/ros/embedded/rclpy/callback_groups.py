@@ -7,22 +7,32 @@ from typing import Any
 
 
 class CallbackGroup:
-    """The base of groups of entities, which lets callbacks run whenever a thread is free."""
+    """The base of groups of entities that share a rule about running at the same time."""
 
     def can_execute(self, entity: Any) -> bool:
         """Return True if the entity's callback may start now, without claiming the group."""
-        return True
+        raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:
         """Claim the group for the entity's callback; return False if the group is taken."""
-        return True
+        raise NotImplementedError
 
     def ending_execution(self, entity: Any) -> None:
         """Release the group that `beginning_execution` claimed."""
+        raise NotImplementedError
 
 
 class ReentrantCallbackGroup(CallbackGroup):
     """A group whose callbacks run whenever a thread is free."""
+
+    def can_execute(self, entity: Any) -> bool:
+        return True
+
+    def beginning_execution(self, entity: Any) -> bool:
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        return None
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):

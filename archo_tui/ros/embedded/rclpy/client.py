@@ -6,6 +6,7 @@ import threading
 from functools import partial
 from typing import Any, Generic, TypeVar
 
+from rclpy import _time_source
 from rclpy._entity import ServiceEnd
 from rclpy.context import Context
 from rclpy.service import RequestHeader
@@ -82,7 +83,15 @@ class Client(ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
         None means no limit, a negative timeout no wait.
         """
-        return self._node._graph.wait_until(self.service_is_ready, timeout_sec)
+        self._use()
+        graph = self._node._graph
+        with graph.changed:
+            _time_source.wait_until(
+                graph.changed,
+                lambda: self._destroyed or self.service_is_ready(),
+                _time_source.patience_ns(timeout_sec),
+            )
+            return self.service_is_ready()
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item

@@ -447,29 +447,31 @@ class Node(NodeParameters, Destroyable):
 
         Those of actions are included. `no_demangle` has no effect.
         """
-        made = self._made_by(node_name, node_namespace, Publisher)
-        return _sorted((publisher._topic_name, publisher.msg_type) for publisher in made)
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((p._topic_name, p.msg_type) for node in nodes for p in node._all(Publisher))
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """Return the topics to which a node subscribes; see `get_publisher_...`."""
-        made = self._made_by(node_name, node_namespace, Subscription)
-        return _sorted((subscription._topic_name, subscription.msg_type) for subscription in made)
+        nodes = self._named(node_name, node_namespace)
+        return _sorted(
+            (s._topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
+        )
 
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
         """Return the services that a node offers; see `get_publisher_...`."""
-        made = self._made_by(node_name, node_namespace, Service)
-        return _sorted((service._service_name, service.srv_type) for service in made)
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
         """Return the services of which a node is a client; see `get_publisher_...`."""
-        made = self._made_by(node_name, node_namespace, Client)
-        return _sorted((client._service_name, client.srv_type) for client in made)
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
@@ -517,17 +519,19 @@ class Node(NodeParameters, Destroyable):
             found.subscriptions = topic.subscriptions.copy()
         return found
 
-    def _made_by(self, name: str, namespace: str, kind: type[T]) -> list[T]:
-        """Return what the nodes of that name have made of a kind."""
+    def _named(self, name: str, namespace: str) -> list[Node]:
         self._use()
-        full_name = f"{namespace.rstrip('/')}/{name}"
         with self._graph.lock:
-            nodes = [node for node in self._graph.nodes if node._full_name == full_name]
+            nodes = [
+                node
+                for node in self._graph.nodes
+                if node._name == name and node._namespace == namespace
+            ]
         if not nodes:
             raise NodeNameNonExistentError(
                 f"cannot get names and types for nonexistent node: {name} in {namespace}"
             )
-        return [made for node in nodes for made in node._all(kind)]
+        return nodes
 
     def destroy_node(self) -> None:
         """Destroy everything this node made and leave the graph; a second call does nothing.

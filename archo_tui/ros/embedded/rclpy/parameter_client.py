@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import SERVICES
@@ -51,7 +52,12 @@ class AsyncParameterClient:
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
         """Block until the remote node offers all six services; return False if not in time."""
-        return self.node._graph.wait_until(self.services_are_ready, timeout_sec)
+        deadline = _time_source.patience_ns(timeout_sec)
+        for client in self._clients.values():
+            left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
+            if not client.wait_for_service(None if left_ns is None else max(left_ns, 0) / 1e9):
+                return False
+        return True
 
     def list_parameters(
         self,

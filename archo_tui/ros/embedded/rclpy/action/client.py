@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
+from rclpy import _time_source
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
@@ -204,7 +205,14 @@ class ActionClient:
 
         None means no limit, a negative timeout no wait.
         """
-        return self._node._graph.wait_until(self.server_is_ready, timeout_sec)
+        graph = self._node._graph
+        with graph.changed:
+            _time_source.wait_until(
+                graph.changed,
+                lambda: self._goal_client._destroyed or self.server_is_ready(),
+                _time_source.patience_ns(timeout_sec),
+            )
+            return self.server_is_ready()
 
     def destroy(self) -> None:
         """Leave the graph; futures that are pending stay pending."""
