@@ -121,7 +121,7 @@ class Connection:
         return next(
             reply
             for reply in self.replies(timeout)
-            if reply.get("id") == self._number and isinstance(reply.get("code"), str)
+            if reply.get("id") == self._number and is_result(reply)
         )
 
     def _replies_to(self, number: int, end: float | None) -> Iterator[dict[str, Any]]:
@@ -137,7 +137,7 @@ class Connection:
                     self._test_answering()
                 continue
             if reply.get("id") in (number, None) and "protocol" not in reply:
-                if "code" in reply and not (_is_text(reply, "code") and _is_text(reply, "text")):
+                if "code" in reply and not is_result(reply):
                     raise Unreached(GONE)  # What is broken counts as ended, as in `replies`.
                 yield reply
             else:
@@ -231,8 +231,9 @@ class Connection:
             self.close()  # An iterator over events was never begun.
 
 
-def _is_text(reply: dict[str, Any], name: str) -> bool:
-    return isinstance(reply.get(name), str)
+def is_result(reply: dict[str, Any]) -> bool:
+    """Return True for the last reply to a request, which has a code and a text."""
+    return isinstance(reply.get("code"), str) and isinstance(reply.get("text"), str)
 
 
 def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:

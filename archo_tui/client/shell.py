@@ -13,7 +13,7 @@ from archo_tui.base.errors import ArchoError
 from archo_tui.base.safe_text import safe_lines
 from archo_tui.base.surrogates import has_lone_surrogate
 from archo_tui.client import find
-from archo_tui.client.connection import HELLO_TIMEOUT
+from archo_tui.client.connection import HELLO_TIMEOUT, is_result
 from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import (
     EXITS,
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 # The verbs that have an option.
 _VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _FOR_THE_CONSOLE = ("--yes", "--all", "--rate", "--times")  # Options among the words of a verb.
-_LOOK = 0.2  # Seconds.
+_LOOK = 0.2  # Seconds between two looks for a signal while a person is asked.
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _SIGNALS = signal.SIGINT, signal.SIGTERM
 
@@ -270,7 +270,7 @@ def _give_up(console: Connection, line: CommandLine) -> int:
     """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
     try:
         console.give_up()
-        reply = next(reply for reply in console.replies(_CALL_OFF_TIMEOUT) if "code" in reply)
+        reply = next(filter(is_result, console.replies(_CALL_OFF_TIMEOUT)))
         if "--json" in line.flags:
             _print_json(reply)
         else:
@@ -343,7 +343,7 @@ def _ask_person(console: Connection, question: str) -> bool | None:
     """Ask at the terminal; None if the console has said that nobody is to answer any more."""
     print(question, end="", file=sys.stderr, flush=True)
     ready: list[Any] = []
-    while not ready:  # A signal that comes just before a look ends only the next one.
+    while not ready:  # A signal just before `select` is handled when that returns.
         ready = select.select([sys.stdin, console.socket], [], [], _LOOK)[0]
     if sys.stdin not in ready:
         print(file=sys.stderr)

@@ -100,14 +100,15 @@ class KeyedApp(Desk):
                 return
             if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
                 return  # From when the terminal was larger: outside it would only take the focus.
+        kinds = events.Key, events.Paste, events.MouseDown, events.MouseUp
+        is_input = isinstance(event, kinds) and not event.is_forwarded
+        if is_input and stops_before(event) is None:  # Of another driver than the terminal's.
+            mark_stops(event, self.stops.count)
         if isinstance(event, (events.MouseEvent, events.Key)) and not event.is_forwarded:
             await asyncio.sleep(0)  # Even in a flood others get their turn, STOP above all.
-        kinds = events.Key, events.Paste, events.MouseDown, events.MouseUp
-        if event.is_forwarded or not isinstance(event, kinds):
+        if not is_input:
             await super().on_event(event)
             return
-        if stops_before(event) is None:  # It comes from another driver than the terminal's.
-            mark_stops(event, self.stops.count)
         # A button acts as the mouse is released, for the input that the press was.
         repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
         entered = Entered(event, repeated, self._read)

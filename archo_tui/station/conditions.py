@@ -194,7 +194,9 @@ def several_stop_servers(seen: Situation) -> Found:
 
 @_alarm(STOPPED, _MED, is_reported=True, remedy=Remedy("release", ", then {} to release"))
 def stopped(seen: Situation) -> Found:
-    if seen.snapshot.is_at_rest:
+    if seen.snapshot.runs_on:  # It stays the alarm that it was, acknowledged or not.
+        yield "A GOAL RUNS ON BEHIND THE STOP: use the hardware stop"
+    elif seen.snapshot.is_at_rest:
         yield "STOPPED: look for the cause"
 
 

@@ -274,10 +274,11 @@ class GoalDriver:
             return
         self._become(self.queue.hand_over())
         stops = self._robot.stops
+        reported = stops.sent_elsewhere
         try:
-            # One of another console since it was typed counts like one of this console.
+            # A report since it was typed counts like a STOP of this console.
             with (
-                stops.typed_at(goal.stop_count - stops.sent_elsewhere),
+                stops.typed_at(goal.stop_count - reported, reported),
                 on_behalf_of(goal.requester),
             ):
                 outcome = await self._robot.send(goal.kind, goal.values, queued=coming.waited)

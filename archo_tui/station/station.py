@@ -194,7 +194,8 @@ class Station:
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
         found = conditions(Situation(self._snapshot, now, self.host.states(), *troubles))
         # A confirmed release ends the alarm also while the robot reports nothing.
-        known_over = () if self._snapshot.is_at_rest else (STOPPED,)
+        is_stopped = self._snapshot.is_at_rest or self._snapshot.runs_on
+        known_over = () if is_stopped else (STOPPED,)
         changed = self._board.update(found.texts, now, self.clock.now(), known_over, found.unknown)
         self._record(changed)
         self.goals.update(self._snapshot, holding(self._board.all()))

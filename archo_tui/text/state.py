@@ -22,8 +22,8 @@ BARS = "▁▂▃▄▅▆▇█"  # Of a curve in one line, the lowest first.
 Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 _LATE = 3.0  # Seconds: a reading of every second that is older counts as old.
-STILL_RUNNING = "✗ A GOAL STILL RUNS"  # The same of a goal from before the stop.
 STILL_MOVING = "✗ STILL MOVING"  # The state of a robot that reports a stop, and moves.
+STILL_RUNNING = "✗ A GOAL STILL RUNS"  # That of one whose goal from before the STOP still runs.
 
 
 def share(value: float, low: float, high: float) -> float:
@@ -220,8 +220,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((text[:width], BAD),)
     if snapshot.latch is Latch.UNCERTAIN:
         return (("✗ STOP NOT CERTAIN", BAD),)
-    if snapshot.runs_on and not snapshot.stop_not_obeyed:
-        return ((STILL_RUNNING, BAD),)
+    if snapshot.runs_on:
+        return ((STILL_MOVING if snapshot.stop_not_obeyed else STILL_RUNNING, BAD),)
     if snapshot.stop_holds and not motion.moving and not motion.is_old(now):
         return STOPPED
     if described is None:
@@ -247,9 +247,13 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
 
 
 def motion_age(snapshot: Snapshot, now: float) -> Spans:
-    """Return how long ago a slow robot has reported its motion, if that is not old; else empty."""
-    motion = snapshot.motion
-    return () if motion.is_old(now) else age_of_slow(motion.received, now)
+    """Return how long ago a slow robot has reported what `motion_word` says; empty if it has not.
+
+    An open or doubtful STOP and silence have words that are no report.
+    """
+    motion, is_doubtful = snapshot.motion, snapshot.latch is Latch.UNCERTAIN
+    is_other = snapshot.open_stop is not None or is_doubtful or snapshot.runs_on
+    return () if is_other or motion.is_old(now) else age_of_slow(motion.received, now)
 
 
 def gauge_line(reading: GaugeReading, now: float) -> Spans:

@@ -135,9 +135,11 @@ class _Reporter:
 
     def _destroy_nodes(self) -> None:
         """Take the nodes off the graph, where Kilted leaves those that are referenced for 20 s."""
+        from rclpy.node import Node
+
         for node in self._nodes:
             with contextlib.suppress(Exception):  # The program may have destroyed parts of it.
-                node.destroy_node()
+                Node.destroy_node(node)  # A program's own does what it did at its end already.
 
     def _ask(self, **what: Any) -> dict[str, Any]:
         """Report, and wait for the answer of the console, which may end the program."""

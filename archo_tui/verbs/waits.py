@@ -126,7 +126,9 @@ def _stopped(station: Station) -> Outcome | None:
     """Return success while nothing moves and a stop is reported or, without reports, sure."""
     snapshot, described = station.robot.snapshot, station.robot.file.motion
     goal = snapshot.running_goal
-    if snapshot.runs_on or (described is None and goal is not None and goal.kind.stop_cancels):
+    is_blind = snapshot.motion.moving is None
+    may_run = goal is not None and goal.kind.stop_cancels and is_blind
+    if snapshot.still_running_after_stop or may_run:
         return None
     is_stopped = snapshot.latch is Latch.HELD and snapshot.open_stop is None
     if described is not None and described.reports_stop:

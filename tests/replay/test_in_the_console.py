@@ -172,6 +172,16 @@ def test_a_stop_pressed_as_the_console_ends_is_sent(
     assert ("stop", "done") in [(line.get("verb"), line.get("code")) for line in lines]
 
 
+def test_a_console_that_is_left_as_one_opens_does_not_show_it(
+    listed: Callable[..., Terminal],
+) -> None:
+    terminal = listed()
+    terminal.output = b""
+    terminal.write("\r\x11")
+    assert terminal.exit_code() == 0
+    assert b"Speed" not in terminal.output
+
+
 def test_one_that_is_killed_leads_back_and_says_so(playing: Callable[..., Terminal]) -> None:
     terminal = playing()
     os.kill(_replay_of(terminal), signal.SIGKILL)

@@ -101,6 +101,9 @@ def planted(machine: ModuleType, count: int) -> Iterator[tuple[str, ModuleType]]
 
 def main() -> int:
     """Explore each world, and print what was found."""
+    from archo_tui.ros import engine
+
+    engine.activate("embedded")  # For the interfaces.
     from tests.robot import explore, explore_goal, explore_queue
 
     worst = 0

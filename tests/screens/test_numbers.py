@@ -9,11 +9,11 @@ from dataclasses import replace
 import pytest
 
 from archo_tui.robot.state.graph import NodeState, Parameter
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
 from archo_tui.text import line_by_line
-from archo_tui.text.state import PLAIN, charge_bar, marked_tone
+from archo_tui.text.state import PLAIN, charge_bar, marked_tone, motion_age
 from archo_tui.verbs.as_json import state
 from tests.support.clock import NOW, TIME
 from tests.support.front import front
@@ -123,6 +123,9 @@ async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> 
         await it.settle()
         assert "│✗ STOPPED  13 s ago" in it.text
         assert "press R to release" in it.text
+    assert motion_age(slow, NOW)
+    for doubt in ({"open_stop": OpenStop(NOW - 0.5)}, {"latch": Latch.UNCERTAIN}):
+        assert not motion_age(slow._replace(**doubt), NOW)  # Its words are no report.
     station = stub_station(StubRobot(slow), StandingClock())
     station.on_snapshot(slow)
     assert state(station)["motion"]["word"] == "IDLE"  # Which programs compare.

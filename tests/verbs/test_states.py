@@ -110,6 +110,19 @@ async def test_a_robot_whose_goal_runs_on_behind_a_stop_is_not_called_stopped() 
             await Quiet(app).settle()
             assert "✗ STOPPED" not in screen_text(app)
             assert screen_text(app).count("✗ A GOAL STILL RUNS") == 2  # Above, and in its panel.
+            app._on_snapshot(snapshot._replace(stop_not_obeyed=True))
+            await Quiet(app).settle()
+            assert screen_text(app).count("✗ STILL MOVING") == 2
+
+
+def test_an_acknowledged_alarm_stays_so_while_a_goal_runs_on() -> None:
+    station = station_of(STATES["motor stopped"])
+    station.acknowledge(station.view.alarms)
+    for snapshot in (STILL_RUNNING, STATES["motor stopped"]):
+        station.on_snapshot(snapshot)
+        stopped = next(alarm for alarm in station.view.alarms if alarm.name == "stopped")
+        assert stopped.acknowledged
+        assert stopped.text.startswith("STOPPED") == (snapshot is not STILL_RUNNING)
 
 
 async def test_of_a_robot_that_reports_no_stop_the_confirmed_one_counts() -> None:

@@ -31,7 +31,7 @@ class QueuedGoal(NamedTuple):
 
     kind: GoalKind
     values: Mapping[str, Any]  # By dotted path in the goal message.
-    # STOPs, here and of other consoles, before it was typed or the queue continued.
+    # STOPs before it was typed or the queue continued: see `Stops.total`.
     stop_count: int = 0
     requester: Requester = YOU
     number: int = 0  # Names it in the queue, counted from 1.
@@ -129,7 +129,7 @@ class GoalQueue(NamedTuple):
         """Take the goals of one line.
 
         If no goal runs or is on its way, the first one goes before all that wait, also if these are
-        held. If one runs, they are held at once where a STOP will hold them.
+        held. If one runs and the robot `is_stopped`, they are held at once.
         """
         first = self.submitted + 1
         goals = [

@@ -45,6 +45,8 @@ class Stops:
         # True if another verb was requested, by any console, since a STOP began to be sent here.
         self.superseded = False
         self._typed_at: ContextVar[int | None] = ContextVar("stops", default=None)
+        # Of the others' reports, where they are to be compared with those of an earlier moment.
+        self._reported_at: ContextVar[int | None] = ContextVar("reports", default=None)
 
     def set_service(self, stop: StopServices, full_name: str) -> None:
         """Set the robot's STOP, whose service `is_stop_call` recognizes by both names."""
@@ -93,7 +95,7 @@ class Stops:
 
     @property
     def total_when_typed(self) -> int:
-        """The `total` of the present input, behind which a STOP here or elsewhere came later."""
+        """The `count_when_typed`, with the reports of other consoles by now."""
         return self.count_when_typed + self.sent_elsewhere
 
     @property
@@ -103,13 +105,17 @@ class Stops:
         return self.count if typed_at is None else typed_at
 
     @contextmanager
-    def typed_at(self, count: int | None) -> Iterator[None]:
-        """Set the count at which the present input was read, for the `with` block."""
-        before = self._typed_at.set(count)
+    def typed_at(self, count: int | None, reported: int | None = None) -> Iterator[None]:
+        """Set the count at which the present input was read, for the `with` block.
+
+        `reported` is what `sent_elsewhere` was then; None: as it is now.
+        """
+        before, reports_before = self._typed_at.set(count), self._reported_at.set(reported)
         try:
             yield
         finally:
             self._typed_at.reset(before)
+            self._reported_at.reset(reports_before)
 
     def set_typed_at(self, count: int | None) -> None:
         """Set the count at which the present input was read; None for work without input."""
@@ -121,7 +127,9 @@ class Stops:
 
     def gate(self) -> Gate:
         """Return the last check for a request that the present input causes."""
-        return Gate(self, self.count_when_typed, self.sent_elsewhere)
+        reported = self._reported_at.get()
+        elsewhere = self.sent_elsewhere if reported is None else reported
+        return Gate(self, self.count_when_typed, elsewhere)
 
 
 class Gate(NamedTuple):

@@ -327,6 +327,11 @@ class Desk(TerminalApp):
             self.copy_to_clipboard(text)
         return bool(text)
 
+    @property
+    def is_ending(self) -> bool:
+        """True once the end has begun, also by a key."""
+        return self._leaves or super().is_ending
+
     def leave(self) -> None:
         """Begin to end the app when every command has its answer, in 30 s at most."""
         if not self._leaves:

@@ -283,7 +283,8 @@ class SteadyDriver(LinuxDriver):
                     messages = keyboard.on_silence(time.monotonic())
                 others: list[Message] = []
                 dispatch(messages, app, self._on_stop_key, others.append, began_at)
-                self._call_on_loop(partial(self._process_all, others))
+                if others:
+                    self._call_on_loop(partial(self._process_all, others))
 
     def _process_all(self, messages: Iterable[Message]) -> None:
         """Pass on messages in one step of the loop.

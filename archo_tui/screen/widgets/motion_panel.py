@@ -78,9 +78,10 @@ class MotionPanel(Panel, can_focus=True):
         self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
         can_release = stopped and key and "release" not in view.blocked
         age = motion_age(view.snapshot, view.now)
-        line = Content.assemble(content(state), Content.from_markup(release), content(age))
-        if can_release and (not age or line.cell_length <= width):  # The banner names the key, too.
-            self._word.show(line)
+        whole = Content.assemble(content(state), Content.from_markup(release), content(age))
+        # The banner names the key, too.
+        if can_release and (not age or whole.cell_length <= width):
+            self._word.show(whole)
         else:
             self._word.show_spans((*state, *age))
         if self._has_pose:
