@@ -14,7 +14,7 @@ from archo_tui.user_code.ros_launch import child_process, setup_script
 from archo_tui.user_code.ros_launch import workspace as rooms
 from archo_tui.user_code.ros_launch.setup_script import run_setup
 from archo_tui.user_code.ros_launch.workspace import EntryPoint, Package, Workspace, read_package
-from tests.launch.planning import WORKSPACE
+from tests.launch.planning import WORKSPACE, Launcher
 
 pytestmark = pytest.mark.posix  # Links, and / in paths.
 
@@ -49,6 +49,17 @@ def test_a_launch_file_without_a_package_finds_archos_own_only(tmp_path: Path) -
     assert found.entry_point("archo_bringup", "dashboard") == EntryPoint(
         "archo_bringup.dashboard", "main", str(NODES)
     )
+
+
+def test_archos_own_launch_file_starts_its_nodes_with_their_parameters(tmp_path: Path) -> None:
+    file = NODES / "launch" / "archo_comms.launch.py"
+    launcher = Launcher(tmp_path, Workspace.around(file), tmp_path / "prefix")
+    names = ["battery_monitor", "dashboard", "motor_controller", "fake_battery_drain"]
+    for argument, started in (("use_sim:=false", names[:3]), ("use_sim:=true", names)):
+        programs = launcher.plan(file, argument).programs
+        assert [program.executable for program in programs] == started
+        for program in programs:
+            assert "config/motor_params.yaml" in " ".join(program.ros_args)
 
 
 def test_archos_own_setup_is_asked_for_once() -> None:

@@ -24,7 +24,7 @@ from tests.support.peer import Peer
 from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.robot import making
-from tests.support.script import Script
+from tests.support.script import Script, shell
 from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, goal
 from tests.support.stub import Willing, stub_station
@@ -244,6 +244,12 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
         assert await person.end() == 1
     assert person.said.count("failed:") == 1
     assert person.said.count("battery ") == 1024 * 1024 // len(line)
+
+
+@pytest.mark.parametrize("typed", ["go 12\\nstop", "quit\\nstop\\n", "\\357\\273\\277Stop!\\r"])
+def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
+    done = shell(f"printf '{typed}' | archo --plain")
+    assert b"STOP: confirmed" in done.stdout, done
 
 
 async def test_a_stop_that_is_refused_late_is_said() -> None:
