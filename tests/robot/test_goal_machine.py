@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -27,19 +26,11 @@ from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.text.goal import goal_line
+from tests.robot.explore_goal import FEEDBACK, NEVER, NOW, SUCCESS, sent
 from tests.support.archo import SHELF
 from tests.support.states import plain_text
 
 pytestmark = pytest.mark.pure
-
-NOW = 1000.0
-NEVER = -math.inf
-SUCCESS = MoveToShelf.Result(success=True, final_message="there")
-FEEDBACK = SimpleNamespace(distance_remaining=5.0)
-
-
-def sent() -> TrackedGoal:
-    return TrackedGoal(Goal(SHELF, {"shelf_number": 3}, Phase.SENT, NOW, 0.0), turn=5)
 
 
 def accepted() -> TrackedGoal:
