@@ -53,10 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A console that asks for a restart replaces this process.
     """
-    if {
-        "_ARGCOMPLETE",
-        "COMP_LINE",
-    } <= os.environ.keys():  # Before all else: a `stop` that is being typed must not stop.
+    # Before all else: a `stop` that is being typed must not stop.
+    if "_ARGCOMPLETE" in os.environ and "COMP_LINE" in os.environ:
         completion.complete()
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.

@@ -78,9 +78,10 @@ class MotionPanel(Panel, can_focus=True):
         self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
         can_release = stopped and key and "release" not in view.blocked
         age = motion_age(view.snapshot, view.now)
-        whole = Content.assemble(content(state), Content.from_markup(release), content(age))
-        # The banner names the key, too.
-        if can_release and (not age or whole.cell_length <= width):
+        if can_release:
+            whole = Content.assemble(content(state), Content.from_markup(release), content(age))
+            can_release = not age or whole.cell_length <= width  # The banner names the key, too.
+        if can_release:
             self._word.show(whole)
         else:
             self._word.show_spans((*state, *age))
