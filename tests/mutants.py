@@ -200,8 +200,17 @@ def _first_failure(folder: Path, tests: list[str]) -> str:
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
+            _kill_all_at(home)
     failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", output, re.MULTILINE)
     return "" if process.returncode == 0 else failed[1] if failed else "pytest does not run"
+
+
+def _kill_all_at(home: str) -> None:
+    """Kill whatever the tests began: a fault may let a process in a session of its own spin."""
+    for environ in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):  # It has ended, or is another user's.
+            if f"HOME={home}".encode() in environ.read_bytes().split(b"\0"):
+                os.kill(int(environ.parent.name), signal.SIGKILL)
 
 
 def main() -> int:

@@ -38,6 +38,16 @@ def command_line(given: Sequence[str]) -> list[str]:
     return [sys.executable, *program, *given]
 
 
+def is_suspended(child: int) -> bool:
+    """Return True if a child process was stopped by a signal, and was not continued yet."""
+    if sys.platform == "win32" or not hasattr(os, "waitid"):
+        return False
+    with contextlib.suppress(ChildProcessError):  # It has ended, and was waited for.
+        kept = os.WSTOPPED | os.WNOHANG | os.WNOWAIT
+        return os.waitid(os.P_PID, child, kept) is not None
+    return False
+
+
 def lock(descriptor: int) -> bool:
     """Lock a file until it is closed, without waiting; return False if another process holds it."""
     if sys.platform != "win32":

@@ -137,21 +137,22 @@ def test_keys_typed_as_it_opens_and_behind_its_end_reach_no_robot(
     assert terminal.exit_code() == 0
 
 
-def test_a_grave_alarm_leads_back_and_a_stop_pressed_meanwhile_is_sent(
-    playing: Callable[..., Terminal], here: Path
-) -> None:
+def test_a_grave_alarm_leads_back(playing: Callable[..., Terminal], here: Path) -> None:
     (here / "fragile.py").write_text(CRASHES)
     terminal = playing("--node", "fragile.py")
-    replay = _replay_of(terminal)
-    os.kill(replay, signal.SIGSTOP)  # It is slow to end.
     (here / "crash").touch()
-    state = Path(f"/proc/{replay}/status")
-    terminal.until(lambda: _has_pending(state, signal.SIGTERM))
-    terminal.write("\x18")
-    os.kill(replay, signal.SIGCONT)
-    terminal.until("STOP: confirmed")
     terminal.until("NODE CRASHED")
     terminal.until("\x07")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTSTP, signal.SIGSTOP])
+def test_one_that_is_suspended_leads_back_and_a_stop_pressed_meanwhile_is_sent(
+    playing: Callable[..., Terminal], number: signal.Signals
+) -> None:
+    terminal = playing()
+    os.kill(_replay_of(terminal), number)
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
 
 
 @pytest.mark.parametrize("hangs", [False, True], ids=["slow", "hanging"])

@@ -18,7 +18,7 @@ from textual.binding import Binding
 from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.base.errors import ArchoError
 from archo_tui.base.handover import CONSOLE_SOCKET, GO
-from archo_tui.base.system import command_line
+from archo_tui.base.system import command_line, is_suspended
 from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.robot.outcome import Code, Outcome
@@ -52,8 +52,9 @@ async def play(desk: Desk, recording: Recording) -> None:
     """Play a recording in the console's terminal, by a process of its own, until that ends.
 
     The process says when it could draw, gets the terminal then, and says when STOP was pressed,
-    which is sent from here. A STOP, an alarm of high priority and the console's end end the replay.
-    What was typed meanwhile and reached the console is for the replay, and dropped.
+    which is sent from here. A STOP, an alarm of high priority and the console's end end the replay;
+    so does a signal that suspends it, since it would read no STOP. What was typed meanwhile and
+    reached the console is for the replay, and dropped.
     """
     loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
 
@@ -76,8 +77,12 @@ async def play(desk: Desk, recording: Recording) -> None:
             process.kill()
             process.wait()
 
+    def must_end() -> bool:
+        is_left = desk.is_ending or is_suspended(process.pid)
+        return bool(is_left or gate.is_shut or grave_alarms(desk) - before)
+
     async def follow(work: asyncio.Future[Any]) -> None:
-        while not (work.done() or desk.is_ending or gate.is_shut or grave_alarms(desk) - before):
+        while not (work.done() or must_end()):
             await asyncio.wait([work], timeout=_POLL)
 
     async def obey() -> None:
