@@ -15,6 +15,7 @@ from archo_tui.robot.state.goal import values_text
 from archo_tui.robot_file.model import FormField
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station
+from archo_tui.text.goal import remaining_text
 from archo_tui.verbs import as_json
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready
@@ -132,8 +133,8 @@ class Assistants:
             left = f"{request.seconds_left(self._now):.0f} s left"
             return f"request {request.number} still waits for a person, {left}"
         goal = self._station.robot.snapshot.running_goal
-        left = "" if goal is None or goal.remaining is None else f", {goal.remaining:.1f} left"
-        return f"request {request.number} was allowed; its goal has not ended yet{left}"
+        said = f"request {request.number} was allowed; its goal has not ended yet"
+        return ", ".join(filter(None, (said, goal and remaining_text(goal))))
 
     @property
     def _now(self) -> float:

@@ -199,8 +199,13 @@ def activity(goal: Goal) -> str:
 
 def remaining_text(goal: Goal) -> str:
     """Return the rest of a goal's way, such as `9.0 m left`; "" if it is not known."""
-    known = goal.remaining is not None and not goal.unreadable
-    return f"{goal.remaining:.1f}{_unit_suffix(goal)} left" if known else ""
+    if goal.remaining is None or goal.unreadable:
+        return ""
+    return f"{_way(goal, goal.remaining)} left"
+
+
+def _way(goal: Goal, length: float) -> str:
+    return f"{round(length, 1) + 0.0:.1f}{_unit_suffix(goal)}"  # `+ 0.0`: never -0.0.
 
 
 def _unit_suffix(goal: Goal) -> str:
@@ -211,9 +216,9 @@ def _unit_suffix(goal: Goal) -> str:
 def _progress(goal: Goal, now: float) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`."""
     time_left = f", {text}" if (text := time_left_text(goal, now)) else ""
-    unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"
+    so_far = f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
-        return f"? {goal.unreadable}{unit} left   {so_far}"
+        return f"? {goal.unreadable}{_unit_suffix(goal)} left   {so_far}"
     if goal.feedback:
         return f"{so_far}   {goal.feedback}"
     if goal.remaining is None and goal.elapsed(now) > _FIRST_FEEDBACK:
@@ -222,8 +227,7 @@ def _progress(goal: Goal, now: float) -> str:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # Without the length of the way there is no percentage.
         return f"{remaining_text(goal)}   {so_far}{time_left}"
-    way = f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}"
-    return f"{way}   {so_far}{time_left}"
+    return f"{remaining_text(goal)} of {_way(goal, goal.length)}   {so_far}{time_left}"
 
 
 def time_left_text(goal: Goal, now: float) -> str:
@@ -239,7 +243,7 @@ def _cancelled_details(goal: Goal) -> str:
     if goal.remaining is None:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
-    return f"{goal.message}, {goal.remaining:.1f}{_unit_suffix(goal)} {where}"
+    return f"{goal.message}, {_way(goal, goal.remaining)} {where}"
 
 
 def _arrival_details(goal: Goal) -> str:
@@ -247,7 +251,7 @@ def _arrival_details(goal: Goal) -> str:
     took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
         return goal.message or f"in {took}"
-    way = f"{goal.length:.1f}{_unit_suffix(goal)} in {took}"
+    way = f"{_way(goal, goal.length)} in {took}"
     return f"{goal.message}, {way}" if goal.message else way
 
 

@@ -90,7 +90,8 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
     name, why = type(error).__name__, reason_of(error)
     report = traceback_without(error, rclpy, archo_tui)
     if isinstance(error, SyntaxError) and own_code.is_own(error.filename or ""):
-        place = f"{own_code.display_name(error.filename or '')}:{error.lineno}"
+        place = own_code.display_name(error.filename or "")
+        place += f":{error.lineno}" if error.lineno else ""  # 0 for an unknown encoding.
         return f"{place}: {name}: {error.msg}{quoted_line(error.text or '')}", report
     interface = _missing_interface(error)
     if isinstance(error, ModuleNotFoundError):

@@ -220,9 +220,15 @@ def test_a_program_that_ends_before_its_first_node_ends_alone(
         wait_until(lambda: said() == ["made"])
 
 
-def test_a_program_that_is_not_python_is_an_error_at_the_start() -> None:
-    error = "^bad.py:1: SyntaxError: invalid syntax, in: def"
-    with pytest.raises(ArchoError, match=error), running(written("bad.py", "def")):
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("def", "^bad.py:1: SyntaxError: invalid syntax, in: def"),
+        ("# coding: morse", "^bad.py: SyntaxError: unknown encoding: morse"),
+    ],
+)
+def test_a_program_that_is_not_python_is_an_error_at_the_start(text: str, error: str) -> None:
+    with pytest.raises(ArchoError, match=error), running(written("bad.py", text)):
         pass
 
 

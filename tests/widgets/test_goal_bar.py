@@ -7,7 +7,7 @@ import re
 import pytest
 
 from archo_tui.robot.state.goal import Phase
-from archo_tui.text.goal import goal_strip
+from archo_tui.text.goal import goal_strip, remaining_text
 from tests.support.front import front
 from tests.support.states import ARRIVED, MOVING, STATES, plain_text
 from tests.support.stub import StandingClock
@@ -30,6 +30,10 @@ def test_no_number_moves_as_the_robot_does() -> None:
     first, then = rows(far, 100)[1], rows(near, 100)[1]
     assert first.index(" m ") == then.index(" m ")
     assert first.index("%") == then.index("%")
+
+
+def test_a_robot_just_behind_its_goal_has_nothing_left() -> None:
+    assert remaining_text(MOVING._replace(remaining=-0.04)) == "0.0 m left"
 
 
 @pytest.mark.parametrize("goal", [None, MOVING._replace(phase=Phase.SENT, remaining=None)])
