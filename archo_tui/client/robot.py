@@ -6,7 +6,6 @@ Each call has a connection of its own; when it closes, the console calls off wha
 from __future__ import annotations
 
 import contextlib
-import itertools
 import json
 import os
 import threading
@@ -43,7 +42,8 @@ class GoalHandle:
 
     def __init__(self, console: Connection, replies: Iterator[dict[str, Any]]) -> None:
         self._console, self._replies = console, replies
-        self._has_ended = threading.Event()
+        self._is_answered, self._has_ended = threading.Event(), threading.Event()
+        self._is_accepted = False
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
         self._state: Goal | None = None
         threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
@@ -108,6 +108,12 @@ class GoalHandle:
         """Return True once the goal has ended in any way, or the console is unreachable."""
         return self._has_ended.is_set()
 
+    def _wait_for_answer(self) -> None:
+        """Wait until the goal is accepted or queued; raise why it is not."""
+        self._is_answered.wait()
+        if not self._is_accepted:
+            data_or_raise(self._result)
+
     def _leave_to_parent(self) -> None:
         """End the handle in a forked child, which has no thread that reads replies."""
         self._result = {"code": "lost", "text": PARENTS_GOAL}
@@ -118,6 +124,9 @@ class GoalHandle:
     def _read_replies(self) -> None:
         try:
             for reply in self._replies:
+                if "code" not in reply:  # It is accepted or queued.
+                    self._is_accepted = True
+                    self._is_answered.set()
                 if "goal" in reply:
                     self._state = from_reply(Goal, reply["goal"])
                 elif "code" in reply:
@@ -128,6 +137,7 @@ class GoalHandle:
             self._result = {"code": error.code, "text": str(error)}
         finally:
             self._has_ended.set()
+            self._is_answered.set()
             self._console.close()
 
 
@@ -240,13 +250,11 @@ class Robot:
             raise Misused(f"go sends goals, and {kind!r} is none: use robot.stop()")
         seconds, console = checked_timeout(timeout), self._connect()
         try:
-            replies = console.request(seconds, words=words, wait=True, feedback=True)
-            answer = next(replies)  # `said` once it is accepted or queued, else the result.
-            if "code" in answer:
-                data_or_raise(answer)
-            handle = GoalHandle(console, itertools.chain([answer], replies))
-            with self._lock:
+            with self._lock:  # `close` knows each goal that was sent.
+                replies = console.request(seconds, words=words, wait=True, feedback=True)
+                handle = GoalHandle(console, replies)
                 self._handles = [handle for handle in self._handles if not handle.done()] + [handle]
+            handle._wait_for_answer()
         except BaseException:
             console.give_up()
             console.shut_down()

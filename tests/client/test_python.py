@@ -28,6 +28,7 @@ from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
 from archo_tui.console.session import RequestHandler
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.goal import Phase
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
@@ -220,6 +221,33 @@ async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refuse
             await asyncio.to_thread(robot.status)
         await asyncio.to_thread(robot.stop)
         await heard(person, "STOP: confirmed")
+
+
+async def test_leaving_waits_for_the_cancel_of_a_goal_that_is_not_answered_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
+        send, is_sent, go_on = person.station.robot.send, asyncio.Event(), asyncio.Event()
+
+        async def slow(*given: Any, **more: Any) -> Any:
+            is_sent.set()
+            await go_on.wait()
+            return await send(*given, **more)
+
+        monkeypatch.setattr(person.station.robot, "send", slow)
+        robot = await asyncio.to_thread(archo_tui.connect)
+        going = asyncio.ensure_future(asyncio.to_thread(robot.go, 12))
+        await is_sent.wait()
+        closing = asyncio.ensure_future(asyncio.to_thread(robot.close))
+        await until(lambda: robot._is_closed)
+        go_on.set()
+        await closing
+        goal = person.station.robot.snapshot.goal
+        assert goal is not None
+        assert goal.phase is Phase.CANCELLED
+        with pytest.raises(Cancelled):
+            (await going).wait()
 
 
 # ctrl+c and threads
