@@ -41,7 +41,8 @@ TESTS = {
     "ros_launch": "launch",
     "screen": "console screens",
     "commands": "commands widgets",
-    "session": "robot/test_robot.py user_code station",
+    "session": "nodes test_cli.py user_code station black_box console/test_restarting.py"
+    " client/test_beside_a_screen.py",
     "station": "station parameters",
     "text": "verbs widgets",
     "widgets": "widgets screens",
