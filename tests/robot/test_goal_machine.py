@@ -63,13 +63,6 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
         assert phases(goal, now, motion=Motion(received=now, period=0.2)) == [phase]
 
 
-def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
-    goal, resumed = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4), NOW + 60.0
-    for passed, phase in ((0.0, Phase.MOVING), (2.9, Phase.MOVING), (3.1, Phase.LOST)):
-        after = goal.tick(resumed + passed, Motion(), resumed, is_served=True)
-        assert after.goal.phase is phase
-
-
 QUICK = (NOW, NOW + 0.2, NOW + 0.4)
 
 
@@ -92,11 +85,6 @@ def test_a_silence_is_judged_by_what_is_known(
     assert (before, lost) == (goal.goal.phase, Phase.LOST)
     after = goal.tick(NOW + longest + 0.1, motion, NEVER, is_served=True).goal
     assert after.lost == NOW + longest + 0.1
-
-
-def test_without_feedback_and_motion_its_server_alone_decides() -> None:
-    assert phases(accepted(), NOW + 100.0) == [Phase.MOVING]
-    assert accepted().fire(Event.CANCEL, NOW + 1.0).goal.lost is None
 
 
 @pytest.mark.parametrize(
@@ -186,18 +174,6 @@ def test_a_goal_that_stands_or_is_late_has_no_time_left() -> None:
     assert driven([(0.8, 5.0)], 10.0, 0.1)[:2] == [None] * 2
 
 
-def underway() -> TrackedGoal:
-    return found(SHELF, Phase.MOVING, 300.0, NOW, 7, 1)
-
-
-def test_the_time_left_of_a_goal_found_underway_is_judged_by_what_was_seen() -> None:
-    goal = underway().with_length(18.0)
-    assert goal.goal.seconds_left(NOW) is None
-    for seconds, left in ((2.0, 12.0), (4.0, 11.0), (6.0, 10.0)):
-        goal = fed(goal, NOW + seconds, left=left)
-    assert goal.goal.seconds_left(NOW + 6.0) == 20.0  # 2 m in 4 s
-
-
 def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
     goal = found(SHELF, Phase.MOVING, 2.0, NOW, 7, 1)
     for seconds, left in ((0.0, 12.0), (2.0, 11.0), (4.0, 10.0)):
@@ -275,11 +251,6 @@ def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None
     assert accepted().behind_stop(5, NOW).todo == ()  # It was sent behind the STOP.
     assert sent().behind_stop(6, NOW).todo == ()  # It is void, and cancelled when accepted.
     assert accepted().cancelled_with_all(NOW).behind_stop(6, NOW + 1.0).todo == ()
-
-
-def test_a_stop_behind_its_acceptance_is_left_to_the_robot_first() -> None:
-    goal = accepted().fed(SimpleNamespace(distance_remaining=5.0), NOW, is_void=True)
-    assert goal.todo == ()
 
 
 @pytest.mark.parametrize("before", [Phase.MOVING, Phase.UNKNOWN, Phase.LOST])

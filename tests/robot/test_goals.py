@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 import gc
 from collections import Counter
-from collections.abc import Coroutine
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -17,27 +16,20 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.robot.goals.client import HISTORY
-from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.goal_driver import Frontend
 from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.by_hand import ByHand
 from tests.support.console import console
 from tests.support.hesitant import Hesitant
 from tests.support.night import corners
-from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot
 from tests.support.ros import begin
-from tests.support.shells import served, typed
-from tests.support.shells import until as really
 from tests.support.stand_in import Made, Other, StandIn, beside
-from tests.support.states import STATES
-from tests.support.stub import StubRobot, stub_station
 
 PACE = 1.2  # s: as 500 goals in ten minutes
 Arriving = partial(Made, StandIn, goals="arrive")
@@ -59,20 +51,19 @@ async def test_a_cancel_that_the_server_rejects_is_said_and_the_goal_goes_on() -
         assert it.snapshot.goal.phase == Phase.MOVING
 
 
-@pytest.mark.parametrize("error", [TypeError("no bytes of it"), RuntimeError("rcl: out of memory")])
 async def test_a_goal_whose_sending_raises_is_refused_and_the_next_one_goes(
-    error: Exception, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     shelves = Arriving()
     async with robot(shelves, offers="move_to_shelf") as it:
         with monkeypatch.context() as patched:
 
             def raises(*_: Any, **__: Any) -> None:
-                raise error
+                raise RuntimeError("rcl: out of memory")
 
             patched.setattr(ActionClient, "send_goal_async", raises)
             outcome = await ended(go(it, 7))
-        reason = f"not sent: {type(error).__name__}: {error}"
+        reason = "not sent: RuntimeError: rcl: out of memory"
         assert outcome == (Code.REFUSED, reason)
         await until(lambda: it.snapshot.goal is not None)
         goal: Any = it.snapshot.goal
@@ -81,16 +72,6 @@ async def test_a_goal_whose_sending_raises_is_refused_and_the_next_one_goes(
         assert (await ended(go(it, 8))).text == "accepted"
         await until(lambda: shelves.node.shelves == [8])
         await until(lambda: [goal.phase for goal in it.snapshot.history][-1:] == [Phase.REFUSED])
-
-
-async def test_a_goal_whose_value_does_not_fit_never_becomes_one() -> None:
-    shelves = Arriving()
-    async with robot(shelves, offers="move_to_shelf") as it:
-        outcome = await ended(it.send(SHELF, {"shelf_number": 1.5}))
-        assert outcome == (Code.MISUSE, "shelf_number: 1.5 is not a whole number")
-        assert it.snapshot.goal is None
-        assert (await ended(go(it, 8))).ok
-        assert shelves.node.shelves[:1] in ([], [8])
 
 
 async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> None:
@@ -277,26 +258,6 @@ async def test_an_own_goal_whose_status_comes_behind_its_result_is_not_taken_for
         assert [(goal.mine, goal.phase) for goal in it.snapshot.history] == [(True, Phase.ARRIVED)]
 
 
-async def test_a_short_goal_is_history_and_one_before_the_console_is_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
-    other = Made(Other)
-    async with robot(Arriving(), other) as first:
-        await until(lambda: other.node.client.server_is_ready())
-        other.node.go()
-        await until(lambda: len(first.snapshot.history) == 1)
-        over = first.snapshot.history[0]
-        assert (over.phase, over.mine) == (Phase.ARRIVED, False)
-        now = clock.seconds()
-        await until(lambda: clock.seconds() > now)
-        domain = other.node.context.get_domain_id()
-        async with robot(only=True, nodes=2, domain_id=domain, offers="move_to_shelf") as second:
-            other.node.go()
-            await until(lambda: len(first.snapshot.history) == 2 and second.snapshot.history)
-            assert len(second.snapshot.history) == 1
-
-
 # A goal that is cancelled before the robot has taken it is not driven, wherever it is then.
 
 
@@ -305,7 +266,7 @@ def hesitant() -> Made[Hesitant]:
     return Made(Hesitant)
 
 
-@pytest.mark.parametrize("late", [0.5, 1.5, 3.0])
+@pytest.mark.parametrize("late", [0.5, 3.0])
 async def test_it_is_cancelled_as_soon_as_the_robot_takes_it_however_late(
     hesitant: Made[Hesitant], late: float
 ) -> None:
@@ -348,24 +309,6 @@ async def test_one_whose_server_is_still_looked_for_is_never_sent(hesitant: Made
         assert await ended(going) == (Code.CANCELLED, NEVER_LEFT)
 
 
-async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
-    hesitant: Made[Hesitant],
-) -> None:
-    async with operated(hesitant) as person:
-        station = person._plain._station
-        await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
-        goals = [QueuedGoal(SHELF, {"shelf_number": number}) for number in (12, 7)]
-        answer = station.goals.drive(goals)
-        goal = station.running_goal
-        assert goal is not None
-        assert (goal.name, goal.phase) == ("shelf 12", Phase.SENT)
-        assert await station.goals.cancel() == (Code.ACCEPTED, NEVER_LEFT)
-        assert await ended(answer) == (Code.CANCELLED, NEVER_LEFT)
-        assert station.queue.hold_reason == "cancelled"
-        assert station.running_goal is None
-        assert hesitant.node.seen == 0
-
-
 async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
     hesitant: Made[Hesitant],
 ) -> None:
@@ -380,37 +323,3 @@ async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
         hesitant.node.answer()
         await op.until("held: 7 (cancelled)")
         assert op.app.view.snapshot.history[0].phase == Phase.CANCELLED
-
-
-@pytest.mark.real_time
-async def test_a_shells_cancel_ends_when_that_goals_cancel_is_answered(
-    hesitant: Made[Hesitant],
-) -> None:
-    async with served(hesitant) as person:
-        it = person._plain._robot
-        await really(lambda: "move_to_shelf" in it.snapshot.offered)
-        going = asyncio.ensure_future(typed("go", "12", "--wait"))
-        await really(lambda: hesitant.node.seen)
-        cancelling = asyncio.ensure_future(typed("cancel"))
-        await really(lambda: it.goals.ours is not None and it.goals.ours.is_cancelled)
-        assert not cancelling.done()
-        hesitant.node.answer()
-        assert (await cancelling).code == 0
-        assert (await going).code == 5
-
-
-async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> None:
-    class Ends:
-        """A face that ends before it begins what it is given."""
-
-        def carry_out(self, work: partial[Coroutine[Any, Any, None]]) -> None:
-            """Begin nothing."""
-
-    station = stub_station(StubRobot(STATES["normal"]))
-    face = cast("Frontend", Ends())
-    station.attach(face)
-    station.goals.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
-    assert station.running_goal is not None
-    station.detach()
-    station.attach(face)
-    assert station.running_goal is None

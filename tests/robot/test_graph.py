@@ -169,23 +169,6 @@ async def test_a_node_that_visits_the_robot_is_seen_to_come_and_leave() -> None:
         await until(lambda: told() == ["node visitor came", "node visitor left"])
 
 
-async def test_a_node_that_the_operator_stops_and_starts_is_told_once() -> None:
-    async with operated(Made(Node, "lamp")) as person:
-        await while_passes(SETTLED + 2.0)
-        it = person._plain._station.robot
-
-        def nodes() -> list[str]:
-            return [node.name for node in it.snapshot.nodes]
-
-        person.type("halt lamp\n")
-        await until(lambda: nodes() == [])
-        person.type("start lamp\n")
-        await until(lambda: nodes() == ["/lamp"])
-        assert await person.end("events\n") == 0
-    assert "YOU console: start /lamp" in person.said
-    assert "node lamp" not in person.said
-
-
 # Ends of one topic that do not fit, with what to change.
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
@@ -19,8 +18,6 @@ from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
 from archo_tui.text.state import motion_word
-from archo_tui.verbs import verbs
-from archo_tui.verbs.verb import TIMEOUT
 from tests.support.alarms import alarms_of
 from tests.support.archo import go
 from tests.support.clock import seconds
@@ -293,19 +290,6 @@ async def test_when_the_robot_moves_it_is_no_longer_certain_until_r_or_another_s
         assert (await ended(drive(it))).text == HOLDS
 
 
-async def test_a_short_move_as_it_brakes_leaves_it_certain(file: Path) -> None:
-    base = Base()
-    async with heard(file, base) as it:
-        base.node.moving = True
-        await until(lambda: it.snapshot.motion.moving)
-        await stop(it)
-        await while_passes(0.4)
-        base.node.moving = False
-        await while_passes(3.0)
-        assert it.snapshot.latch is Latch.HELD
-        assert not it.snapshot.stop_not_obeyed
-
-
 async def test_another_consoles_release_leaves_it_uncertain(file: Path) -> None:
     peer = Made(Peer)
     async with heard(file, Base(), peer) as it:
@@ -342,20 +326,6 @@ async def test_another_consoles_stop_cancels_a_goal_that_goes_on_behind_it(file:
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase is Phase.CANCELLED)
 
 
-async def test_another_consoles_stop_is_not_over_by_an_answer_to_what_left_before_it(
-    file: Path,
-) -> None:
-    slow, peer = Base(release="nothing"), Made(Peer)
-    async with heard(file, slow, peer) as it:
-        release = asyncio.ensure_future(it.release_emergency_stop())
-        await until(lambda: slow.node.asked_to_release)
-        peer.node.tell("stop")
-        await until(lambda: it.snapshot.latch is Latch.HELD)
-        slow.node.wake()
-        assert (await ended(release)).ok
-        assert it.snapshot.latch is Latch.UNCERTAIN  # The robot may have released it last.
-
-
 async def test_its_alarm_ends_with_the_release_of_a_robot_that_is_not_heard(file: Path) -> None:
     base = Base()
     async with operated(base, robot=file) as person:
@@ -368,19 +338,3 @@ async def test_its_alarm_ends_with_the_release_of_a_robot_that_is_not_heard(file
         await person.until("alarm unacknowledged: CONTACT LOST")
         person.type("release --yes\n")
         await person.until("alarm over, unacknowledged: stopped")
-
-
-async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
-    file: Path,
-) -> None:
-    async with operated(Base(), robot=file) as person:
-        station = person._plain._station
-        wait = verbs(station.robot.file, station.robot.snapshot.forms)["wait"]
-        await until(lambda: {*OFFERS.split()} <= station.robot.snapshot.offered)
-        person.type("stop\ngo 3\n")
-        await person.until(HOLDS)
-        ready, stopped = ({"state": state, TIMEOUT: 3.0} for state in ("ready", "stopped"))
-        assert (await ended(wait.run(station, ready))).code is Code.RAN_OUT
-        assert (await ended(wait.run(station, stopped))).ok
-        person.type("release --yes\n")
-        assert (await ended(wait.run(station, {**ready, TIMEOUT: 10.0}))).ok

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,7 +23,6 @@ from tests.support.console import LONG
 from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
-from tests.support.shells import heard, served, typed
 from tests.support.stand_in import Made, StandIn, beside
 
 LOST = "the robot may still be moving"
@@ -199,25 +197,6 @@ async def test_of_a_halted_node_it_is_lost_at_once_and_the_rest_is_held() -> Non
         assert "not driven: 7 (lost)" in person.said
 
 
-async def test_of_one_that_crashes_too(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # It is another process there.
-    motor = here / "motor.py"
-    motor.write_text(
-        "from archo_bringup.motor_controller import MotorController\n\n\n"
-        "class Motor(MotorController):\n"
-        "    def control(self):\n"
-        "        super().control()\n"
-        "        if self.drive.remaining < 999:\n"
-        "            raise RuntimeError('a wheel came off')\n"
-    )
-    async with operated(node_files=[motor], ros_args=LONG) as person:
-        await person.until("the default of motor.py")  # It has taken the place of ARCHO's own.
-        person.type("go 12\n")
-        await person.until("a wheel came off")  # Its node is off the graph before, on ROS 2.
-        assert await person.end() == 1
-        assert f"goal LOST, shelf 12, {LOST}" in person.said
-
-
 async def test_a_copy_that_is_halted_takes_no_goal_of_the_other_one_along() -> None:
     async with operated(ros_args=LONG) as person:
         person.type("go 12\n")
@@ -229,13 +208,3 @@ async def test_a_copy_that_is_halted_takes_no_goal_of_the_other_one_along() -> N
         goal = person._plain._robot.snapshot.goal
         assert goal is not None
         assert goal.is_running
-
-
-@pytest.mark.real_time
-async def test_a_shell_that_waits_ends_with_1() -> None:
-    async with served(ros_args=LONG) as person:
-        waiting = asyncio.ensure_future(typed("go", "12", "--wait"))
-        await heard(person, "m left of")
-        person.type("halt motor_controller --yes\n")
-        said = await waiting
-        assert (said.code, said.err) == (1, f"accepted\narcho-tui: go: goal lost: {LOST}\n")

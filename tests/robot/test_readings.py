@@ -29,9 +29,9 @@ from tests.support.clock import NOW
 from tests.support.console import console
 from tests.support.night import corners
 from tests.support.plain import operated
-from tests.support.quiet import Quiet, ended, until, while_passes
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
-from tests.support.stand_in import Made
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, plain_text
 from tests.support.stub import StandingClock
 
@@ -150,36 +150,27 @@ async def test_an_unknown_word_of_health_is_shown_and_hides_no_low_battery() -> 
         assert battery_word(it.snapshot)[1] == "LOW"
 
 
-def with_parameter(node: str, parameter: str, value: str) -> Callable[..., Node]:
-    """A node with a parameter of one of ARCHO's names, which holds a word."""
+async def test_a_parameter_that_is_no_number_is_not_used_and_the_robot_alone_decides() -> None:
+    def stating(name: str, **words: str) -> Callable[..., Node]:
+        """A node with parameters of ARCHO's names, which hold words."""
 
-    def make(**options: Any) -> Node:
-        made = Node(node, **options)
-        made.declare_parameter(parameter, value, ignore_override=True)
-        return made
+        def make(**options: Any) -> Node:
+            made = StandIn(name, goals="arrive" if "motor" in name else "", **options)
+            for parameter, value in words.items():
+                made.declare_parameter(parameter, value, ignore_override=True)
+            return made
 
-    return make
+        return make
 
-
-async def test_a_parameter_that_is_no_number_ends_nothing_and_is_not_used() -> None:
-    battery_monitor = with_parameter("battery_monitor", "low_battery_threshold", "twenty")
-    motor = with_parameter("motor_controller", "route_length", "far")
+    battery_monitor = stating("battery_monitor", low_battery_threshold="twenty")
+    motor = stating("motor_controller", route_length="far", shelf_count="many")
     async with console(node_makers=[battery_monitor, motor], wait=False) as op:
         await op.until("twenty")
         await op.until("far")
         assert op.app.view.snapshot.low_charge == 20.0
         await op.until("low 20")
-
-
-@pytest.mark.waits
-async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
-    slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
-    async with robot(slow) as it:
-        for _ in range(2 if clock.current is None else 4):  # real time costs as much
-            heard = it.snapshot.battery.received
-            again = lambda heard=heard: it.snapshot.battery.received != heard  # noqa: E731
-            await Quiet().until(again, lambda: "the next message", deadline=90.0)
-            assert conditions(it.snapshot, clock.seconds() + 29.0) == {}
+        await op.press("g", *"4711", "enter")
+        await op.until("ARRIVED")
 
 
 @pytest.mark.waits
@@ -325,17 +316,12 @@ def found(table: Diagnostics) -> list[tuple[str, str, str]]:
     return [(status.part, status.level.value, status.message) for status in table.all]
 
 
-def test_a_level_is_a_byte_or_a_number() -> None:
+def test_a_level_is_a_byte_or_a_number_and_one_that_nobody_knows_an_error() -> None:
     table = Diagnostics()
-    table.add(array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", "")), 0.0)
-    assert [status.level.value for status in table.all] == ["ERROR", "WARN", "OK"]
+    levels = array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", ""), ("d", b"\x09", ""))
+    table.add(levels, 0.0)
+    assert [status.level.value for status in table.all] == ["ERROR", "WARN", "OK", "ERROR"]
     assert table.all[0].message == "hot"
-
-
-def test_a_level_that_nobody_knows_is_an_error() -> None:
-    table = Diagnostics()
-    table.add(array(("a", b"\x09", "")), 0.0)
-    assert table.all[0].level is DiagnosticLevel.ERROR
 
 
 def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:

@@ -20,9 +20,6 @@ from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until, while_passes
-from tests.support.robot import robot
-from tests.support.ros import begin
-from tests.support.stand_in import Made
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -123,47 +120,6 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
         await person.until("alarm unacknowledged: CONTACT LOST for ")
         assert seconds() - began < 5.0
         clock.release(hang)
-
-
-class Restarted(Node):
-    """Says that it drives, unless it is down; each of its starts has a publisher of its own."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("restarted", **options)
-        self.motors: Any = None
-        self.is_dead = False  # It is still on the graph, as after a `kill -9` on ROS 2.
-        self.create_timer(0.2, self.tell)
-
-    def tell(self) -> None:
-        if self.motors is not None and not self.is_dead:
-            self.motors.publish(MotorStatus(moving=True))
-
-    def begin(self) -> None:
-        self.motors = self.create_publisher(MotorStatus, "motor_status", 10)
-
-    def end(self) -> None:
-        self.destroy_publisher(self.motors)
-        self.motors = None
-
-
-@pytest.mark.waits
-async def test_a_node_that_dies_after_regular_restarts_is_missed_as_soon_as_any_other() -> None:
-    made = Made(Restarted)
-    async with robot(made) as it:
-        node = made.node
-        await until(lambda: node.executor is not None)
-        for _ in range(4):
-            begin(node, node.begin)
-            await while_passes(5.0)
-            begin(node, node.end)
-            await while_passes(4.0)
-        begin(node, node.begin)
-        await while_passes(5.0)
-        assert not it.snapshot.motion.is_old(seconds())
-        node.is_dead = True
-        died = seconds()
-        await until(lambda: it.snapshot.motion.is_old(seconds()))
-        assert seconds() - died < 3.5
 
 
 @pytest.mark.pure
@@ -303,16 +259,6 @@ def test_outages_while_a_robot_boots_do_not_dull_its_silence(
     period, _ = lost(times)
     for after, is_lost in ((allowed - 0.1, False), (allowed + 0.1, True)):
         assert is_silent(times[-1], period.typical, times[-1] + after, period.grace) is is_lost
-
-
-@pytest.mark.pure
-def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> None:
-    times = with_outages(7.0, 9.0, each=1.0)[:12]
-    for _ in range(8):
-        times += [times[-1] + 4.0 + number for number in range(9)]
-    period, silences = lost(times)
-    assert len(silences) <= 3
-    assert period.typical == 4.0
 
 
 def test_a_node_has_the_rate_of_what_it_still_says() -> None:

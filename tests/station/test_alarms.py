@@ -40,7 +40,7 @@ from archo_tui.station.history import History
 from archo_tui.station.view import View
 from tests.support.alarms import conditions
 from tests.support.clock import NOW
-from tests.support.states import BATTERY, MOTOR, MOVING, NORMAL, STATES
+from tests.support.states import BATTERY, MOTOR, MOVING, NORMAL, STATES, goal
 
 
 def part(name: str, level: DiagnosticLevel, ago: float = 0.0, where: str = "") -> Diagnostic:
@@ -90,6 +90,18 @@ CONDITIONS: dict[str, tuple[Snapshot, dict[str, str]]] = {
     "a goal without a word": (
         MOVES._replace(goal=LOST_GOAL),
         {"no word of the goal": "NO WORD FROM GO TO SHELF for 6 s: the robot may still be driving"},
+    ),
+    "a robot that moves behind a STOP that is not confirmed": (
+        MOVES._replace(open_stop=OpenStop(NOW - 3, StopAnswer.NONE)),
+        {
+            "moves after stop": "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop",
+            "stop not confirmed": "STOP SENT, no answer for 3 s, sent again while the robot is "
+            "heard: use the hardware stop",
+        },
+    ),
+    "a robot that has not had the time to stand": (
+        MOVES._replace(open_stop=OpenStop(NOW, StopAnswer.NONE)),
+        {"stop not confirmed": "STOP SENT: use the hardware stop"},
     ),
     "of a motor that is silent too, one alarm is enough": (
         MOVES._replace(goal=LOST_GOAL, motion=replace(MOTOR, received=NOW - 6)),
@@ -452,6 +464,7 @@ def test_the_header_names_what_is_silent_or_moves_on_while_the_rest_is_well() ->
         (stopped, "✗ STOPPED", "MOVING"),
         (stopped._replace(stop_not_obeyed=True), "✗ STILL MOVING", "STOPPED"),
         (NORMAL._replace(motion=silent), "▲ motor_status silent, 4 s", "online"),
+        (goal(Phase.LOST, heard=NOW - 3.2), "▲ move_to_shelf silent", "online"),
         (NORMAL, "● online", "silent"),
     ):
         said = header(View(snapshot, NOW, NOW, 0.0, "embedded", "/", History()), 120).plain
