@@ -92,29 +92,6 @@ def test_a_cancel_at_nine_metres_ends_there(ros: Ros) -> None:
     assert operator.feedback == [15.0, 12.0, 9.0]
 
 
-def test_a_cancel_in_the_last_period_cancels_or_arrives_but_never_both(ros: Ros) -> None:
-    operator = Operator(ros)
-    handle = operator.send()
-    wait_until(lambda: operator.feedback and operator.feedback[-1] == 3.0)
-    taken = len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
-    status, success, message = operator.outcome(handle)
-    if taken:
-        assert (status, success, message) == (5, False, "Cancelled mid-route")
-        assert 0.0 not in operator.feedback
-    else:
-        assert (status, success, message) == (4, True, "Arrived at shelf 12")
-
-
-def test_half_the_speed_mid_route_halves_the_steps(ros: Ros) -> None:
-    operator = Operator(ros, "-p", "feedback_period:=0.2", "-p", "time_scale:=18.75")
-    handle = operator.send()
-    wait_until(lambda: operator.feedback == [15.0])
-    operator.set("max_speed", 0.4)
-    operator.outcome(handle)
-    wait_until(lambda: operator.feedback[-1] == 0.0)
-    assert operator.feedback == [15.0, *[13.5 - 1.5 * n for n in range(10)]]
-
-
 def test_a_second_goal_is_refused_with_the_reason_and_the_first_goes_on(ros: Ros) -> None:
     operator = Operator(ros)
     handle = operator.send(12)

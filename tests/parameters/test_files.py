@@ -124,15 +124,6 @@ async def test_a_file_that_is_named_is_for_every_node(motor: Path, here: Path) -
         assert "the default of motor.py" not in person.said
 
 
-async def test_archos_own_nodes_have_them_and_what_the_user_gives_wins(here: Path) -> None:
-    mine = here / "mine.yaml"
-    mine.write_text("motor_controller:\n  ros__parameters:\n    max_speed: 0.5\n")
-    async with operated(params_files=[mine], ros_args=["-p", "wheel_radius:=0.06"]) as person:
-        await person.enter("get motor_controller max_speed", "max_speed is 0.5")
-        await person.enter("get motor_controller wheel_radius", "wheel_radius is 0.06")
-        await person.enter("get battery_monitor publish_period", "publish_period is 1.0")
-
-
 FAKED = "12:00:00 goal ABORTED"
 SIGN = f"""
 from rclpy.node import Node

@@ -10,7 +10,7 @@ import pytest
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import Parameter
-from archo_tui.station.undo import LIMIT, UndoList
+from archo_tui.station.undo import UndoList
 
 
 class Robot:
@@ -69,16 +69,6 @@ async def test_changes_are_under_way_until_answered_and_are_undone_one_by_one(ro
     for value in (1, 0):
         assert (await edits.undo(robot)).ok
         assert robot.value == value
-
-
-async def test_as_many_changes_as_are_kept_are_undone(robot: Any) -> None:
-    edits = UndoList()
-    for value in range(1, LIMIT + 51):
-        await edits.set_parameters(robot, "/n", {"p": value})
-    undone = 0
-    while (await edits.undo(robot)).ok:
-        undone += 1
-    assert (undone, robot.value) == (LIMIT, 50)
 
 
 async def test_of_equal_changes_the_last_one_is_undone(robot: Any) -> None:

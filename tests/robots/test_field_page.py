@@ -15,6 +15,8 @@ pytest.importorskip("nav2_msgs")
 from archo_tui.robot_file.load import load
 from archo_tui.verbs import topics
 from tests.robots import makes
+from tests.robots.cart import Cart
+from tests.support.console import console_with
 from tests.support.plain import operated
 from tests.support.quiet import until
 
@@ -84,3 +86,28 @@ async def test_each_robot_is_described_driven_and_stopped(
         for line, answer in zip(lines, ANSWERS[robot], strict=True):
             person.type(f"{line}\n")
             await person.until(answer)
+
+
+@pytest.mark.waits
+async def test_the_palette_writes_a_file_that_shows_the_robots_data(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(topics, "LISTENING", 0.3)
+    cart = Path(__file__).with_name("cart.yaml")
+    async with console_with(Cart, "blink", robot=cart) as (op, _):
+        await op.press("ctrl+p")
+        await op.type("Describe this robot")
+        await op.press("enter")
+        await op.until("listens for")
+        await op.press("enter")
+        await op.until("Saved to robot.yaml.")
+    path = here / "robot.yaml"
+    made = load(path)
+    assert made.battery is not None
+    assert made.battery.topic == "battery_level"
+    assert [goal.action for goal in made.goals] == ["move_to_shelf"]
+    assert [command.service for command in made.commands] == ["blink"]
+    assert made.stop is None
+    assert "# stop: {service: emergency_stop}" in path.read_text()
+    async with console_with(Cart, "blink", robot=path) as (op, _):
+        await op.until("Go to shelf")
