@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import shutil
 import signal
@@ -17,7 +16,7 @@ from std_msgs.msg import String
 from archo_tui import cli
 from archo_tui.base.errors import ArchoError
 from archo_tui.base.paths import state_file
-from archo_tui.recordings import bag, store
+from archo_tui.recordings import store
 from archo_tui.recordings.recorder import BlackBox
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.node import serialize
@@ -106,23 +105,6 @@ def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None
         _, said = console.communicate(timeout=DEADLINE)
     assert "recording not written: No such file or directory" in said
     assert console.returncode == 1
-
-
-def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(*_: object, **__: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(bag.BagWriter, "flush", full)
-    path = tmp_path / "disk" / "shift"
-    path.parent.mkdir()
-    box = box_to(path, StandingClock())
-    say(box, "x")
-    box.tick()
-    box.finish()
-    assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
-    assert list(path.parent.iterdir()) == []
 
 
 @pytest.mark.posix

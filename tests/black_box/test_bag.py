@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from random import Random
 from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
-from archo_interfaces.srv import EmergencyStop
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
-from rclpy.serialization import deserialize_message, serialize_message
+from rcl_interfaces.msg import Log, ParameterEvent
+from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
-from std_msgs.msg import Int16MultiArray, String
+from std_msgs.msg import String
 
 from archo_tui.recordings import store
 from archo_tui.recordings.bag import LazyMessage, ReceivedMessage
 from archo_tui.recordings.recorder import MAX_BYTES, Ring
 from archo_tui.recordings.store import Recording
-from archo_tui.robot.node import cdr_size
 from tests.robots.test_rover import rover
-from tests.support import chosen
 from tests.support.bags import received, write
 from tests.support.console import FAST, Console, console
 
@@ -180,37 +176,6 @@ def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) ->
     assert "surrogates not allowed" in came.first_error
     assert [message.msg for _, _, message in by_rosbags(tmp_path)] == ["before", "behind"]
     assert store.read_recording(tmp_path).messages == 2
-
-
-def parameter(random: Random) -> Parameter:
-    value = ParameterValue(
-        type=random.randrange(10),
-        string_value="ü" * random.randrange(9),
-        byte_array_value=[bytes([n]) for n in range(random.randrange(4))],
-        double_array_value=[0.5] * random.randrange(4),
-        bool_array_value=[True] * random.randrange(4),
-        string_array_value=["x" * random.randrange(5) for _ in range(random.randrange(4))],
-    )
-    return Parameter(name="n" * random.randrange(9), value=value)
-
-
-def test_what_an_engine_hands_out_behind_a_message_is_no_part_of_its_size() -> None:
-    random = Random(3)
-    events = [
-        ParameterEvent(
-            node="/" + "x" * random.randrange(9),
-            new_parameters=[parameter(random) for _ in range(random.randrange(4))],
-            deleted_parameters=[parameter(random) for _ in range(random.randrange(2))],
-        )
-        for _ in range(200)
-    ]
-    others = [EmergencyStop.Request(), String(data="a"), Int16MultiArray(data=[1, 2, 3])]
-    for message in (*events, *others):
-        data, size = serialize_message(message), cdr_size(message)
-        assert size <= len(data)
-        assert deserialize_message(data[:size], type(message)) == message
-        if chosen.ENGINE == "embedded":
-            assert size == len(data)
 
 
 def heard(seconds: float, topic: str = "/battery_level", text: str = "") -> ReceivedMessage:

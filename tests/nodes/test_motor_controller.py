@@ -11,7 +11,7 @@ from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus, MotorStatus
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
 from rcl_interfaces.msg import Log
-from rclpy.action import ActionClient, CancelResponse
+from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
@@ -154,21 +154,6 @@ def test_a_new_feedback_period_takes_effect_mid_route(ros: Ros) -> None:
     operator.set("feedback_period", 0.05)
     assert operator.outcome(handle)[1]
     wait_until(lambda: len(operator.feedback) == 23)
-
-
-def test_a_cancel_that_comes_after_the_end_is_refused(ros: Ros) -> None:
-    operator = Operator(ros)
-    answers: list[CancelResponse] = []
-    operator.send()
-    wait_until(lambda: operator.feedback)
-
-    def end_then_cancel() -> None:
-        operator.motor.end("succeed", "Arrived")  # the goal's coroutine has not heard of it yet
-        answers.append(operator.motor.on_cancel(operator.motor.goal))
-
-    operator.motor.executor.create_task(end_then_cancel)
-    wait_until(lambda: answers)
-    assert answers == [CancelResponse.REJECT]
 
 
 def test_a_new_feedback_period_starts_nothing_while_it_stands(ros: Ros) -> None:

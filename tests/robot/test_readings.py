@@ -14,13 +14,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32, String
 
-from archo_tui.recordings.replay.state import RecordedTopics
 from archo_tui.robot.messages import types
 from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.state.readings import DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot.telemetry import ClockOffsets, Diagnostics, Telemetry
-from archo_tui.robot_file.load import load
+from archo_tui.robot.telemetry import ClockOffsets, Diagnostics
 from archo_tui.screen.widgets.bars import header
 from archo_tui.text.state import age_text, battery_line, battery_word, motion_word
 from tests.support import chosen, clock
@@ -33,7 +31,6 @@ from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
 from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, plain_text
-from tests.support.stub import StandingClock
 
 
 def publisher(
@@ -238,7 +235,7 @@ def file(here: Path) -> Path:
     return made
 
 
-async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
+async def test_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
     talker = Made(publisher(Float32, "level", Float32(data=80.0), period=0.1))
     async with robot(talker, robot=file) as it:
         await until(lambda: it.snapshot.battery.percentage == 80.0)
@@ -248,23 +245,6 @@ async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Pa
         assert rate is not None
         assert 8.0 < rate < 13.0
         assert talker.node.count_subscribers("level") == 1
-
-
-def test_in_a_replay_both_are_read(file: Path) -> None:
-    topics = RecordedTopics({"/level": "std_msgs/msg/Float32"}, "/")
-    heard: list[str] = []
-    telemetry = Telemetry(
-        topics,  # type: ignore[arg-type]
-        load(file),
-        StandingClock(),
-        lambda topic, _: heard.append(topic),
-        lambda _: None,
-    )
-    telemetry.resubscribe()
-    topics.callbacks["/level"](Float32(data=80.0))
-    assert telemetry.battery.percentage == 80.0
-    assert telemetry.gauges[0].value == 80.0
-    assert heard == ["level"]
 
 
 async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(

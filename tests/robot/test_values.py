@@ -19,12 +19,10 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float32, Int8
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.base.yaml_text import bounded_yaml
-from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.graph import parameter_values
 from archo_tui.robot.graph.parameter_values import fit
 from archo_tui.robot.messages.typed import default_text, parse_field, range_text, typed_text
-from archo_tui.robot.messages.types import TypedField, load_class
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.messages.values import checked, filled, goal_request, put, text_of
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.graph import Parameter
@@ -401,39 +399,6 @@ def test_random_values_of_every_type_travel_unaltered(name: str) -> None:
         message = filled(message_class(), values)
         received = deserialize_message(serialize_message(message), message_class)
         assert told(received) == told(values)
-
-
-class Heard(Node):
-    """Keeps what it is asked for."""
-
-    def __init__(self, srv_type: Any, **options: Any) -> None:
-        super().__init__("heard", **options)
-        self.requests: list[Any] = []
-        self.create_service(srv_type, "ask", self.answer)
-
-    def answer(self, request: Any, response: Any) -> Any:
-        self.requests.append(request)
-        return response
-
-
-@pytest.mark.parametrize("name", ["SetParameters", "DescribeParameters", "GetParameterTypes"])
-async def test_a_server_receives_the_values_that_were_typed_and_none_that_do_not_fit(
-    name: str,
-) -> None:
-    kind, chance = f"rcl_interfaces/srv/{name}", random.Random(name)
-    made = Made(Heard, load_class(kind))
-    async with robot(made) as it:
-        if name == "SetParameters":
-            wrong = {"parameters": [{"name": "x", "value": {"type": 300}}]}
-            outcome = await ended(it.call("ask", kind, wrong))
-            said = "parameters[0].value.type: 300 is not within 0 .. 255"
-            assert outcome == (Code.MISUSE, said)
-            assert made.node.requests == []
-        for _ in range(20):
-            values = values_of(load_class(kind).Request, chance)
-            typed = bounded_yaml.load(block(values))
-            assert (await ended(it.call("ask", kind, typed))).text != ""
-            assert told(made.node.requests[-1]) == told(values)
 
 
 # A goal of the robot file: what it fixes and converts is checked as what is typed is.
