@@ -15,7 +15,6 @@ from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.station.alarms import Alarm, AlarmState, holding
 from archo_tui.station.conditions import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY
-from tests.robot.explore_queue import Stage, stage
 from tests.support.archo import ARCHO, SHELF
 
 pytestmark = pytest.mark.pure
@@ -97,21 +96,6 @@ def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
             waiting, sent = look(waiting, snapshot, (), stops)
             assert sent == ""
         assert waiting.hold_reason == "STOP"
-
-
-def test_the_next_one_waits_until_the_one_before_was_seen_to_end() -> None:
-    waiting, sent = look(queue(7, 3), Snapshot(file=ARCHO))  # Accepted, and not seen yet.
-    assert sent == ""
-    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)))
-    assert sent == ""
-    waiting, sent = look(waiting, ARRIVED)
-    assert sent == "7"
-    assert (stage(waiting, 2), stage(waiting, 3)) == (Stage.ON_ITS_WAY, Stage.WAITING)
-    assert look(waiting, ARRIVED)[1] == ""
-    waiting = waiting.hand_over().answered(YES)
-    assert look(waiting, ARRIVED)[1] == ""
-    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(7)))
-    assert (sent, stage(waiting, 2)) == ("3", Stage.SETTLED)
 
 
 def test_it_goes_on_until_all_are_driven_or_held() -> None:
@@ -277,27 +261,6 @@ def test_a_list_is_held_by_what_fails_or_a_later_refusal() -> None:
         assert ([goal.text for goal in after.waiting], after.hold_reason) == ([waiting], reason)
 
 
-@pytest.mark.parametrize(
-    ("outcome", "by", "has_left", "is_cancelled"),
-    [
-        (YES, SHELL, False, False),
-        (YES, SHELL, True, True),
-        (SILENT, YOU, False, False),
-        (SILENT, SHELL, False, True),
-        (SILENT, SHELL, True, True),
-        (SILENT, YOU, True, True),
-        (REFUSED, SHELL, False, False),
-        (REFUSED, SHELL, True, False),
-    ],
-)
-def test_a_goal_that_may_run_for_nobody_is_cancelled(
-    outcome: Outcome, by: Requester, has_left: bool, is_cancelled: bool
-) -> None:
-    over = typed(1, by=by).hand_over()
-    after = (over.leave(by) if has_left else over).answered(outcome)
-    assert (QueueEffect.CANCEL in [deed.do for deed in after.todo]) is is_cancelled
-
-
 # Those that leave.
 
 
@@ -317,13 +280,6 @@ def test_what_a_client_wanted_goes_with_it_and_what_others_want_stays() -> None:
 
 
 # What is seen.
-
-
-def test_a_goal_is_settled_with_its_end_which_its_requester_is_shown() -> None:
-    after = queue().seen(ARRIVED, 0.0, 0)
-    (settled,) = after.todo
-    assert (settled.do, settled.goal and settled.goal.number) == (QueueEffect.SETTLE, 1)
-    assert (settled.outcome, settled.ended) == (Outcome(Code.ARRIVED, "arrived"), ARRIVED.goal)
 
 
 @pytest.mark.parametrize(
