@@ -301,16 +301,6 @@ STORIES = {
         20 contact lost | !stopped?
         22 contact lost | !stopped?
         22.5 contact lost | !contact lost, !stopped?""",
-    "a console that stands still again and again loses contact": """
-        0 |
-        5 contact lost |
-        10 contact lost | !contact lost""",
-    "a part that is bad once within the delay": """
-        0 diagnostics motor |
-        1.4 diagnostics motor |
-        1.5 |
-        3 |
-        6 |""",
     "an error takes the place of the warning of its part": """
         0 diagnostics motor |
         2 diagnostics motor | !diagnostics motor
@@ -330,19 +320,6 @@ STORIES = {
         4 | !diagnostics motor
         5 diagnostics motor | !diagnostics motor
         8 | ~diagnostics motor""",
-    "a part between error and warning has its error alone": """
-        0 diagnostics motor |
-        0.5 diagnostics error motor |
-        1 diagnostics motor |
-        1.5 diagnostics error motor |
-        2 diagnostics motor |
-        2.5 diagnostics error motor | !diagnostics error motor
-        3 diagnostics motor | !diagnostics error motor
-        3.5 diagnostics error motor | !diagnostics error motor
-        4 diagnostics motor | !diagnostics error motor
-        5 diagnostics motor | !diagnostics error motor
-        8 diagnostics motor | ~diagnostics error motor
-        10 diagnostics motor | !diagnostics motor, ~diagnostics error motor""",
 }
 
 
