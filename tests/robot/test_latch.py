@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
@@ -176,26 +175,15 @@ async def test_a_motor_that_was_halted_behind_a_stop_is_told_it_before_it_runs()
         assert "Arrived at shelf 7" in person.said
 
 
-class WornMotor(Node):
-    """Confirms its first STOP only."""
-
-    times = 0
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("motor_controller", **options)
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-
-    def stop(self, request: Any, response: Any) -> Any:
-        WornMotor.times += 1
-        response.success, response.message = WornMotor.times == 1, "the brake is worn"
-        return response
-
-
 async def test_one_that_cannot_take_it_is_no_longer_certain() -> None:
-    WornMotor.times = 0
-    async with operated(WornMotor) as person:
+    answers = iter(("yes", "no"))
+
+    def motor(**options: Any) -> Node:
+        return StandIn("motor_controller", next(answers), **options)
+
+    async with operated(motor) as person:
         person.type("stop\nhalt motor_controller\nstart motor_controller\n")
-        why = "the STOP is not confirmed by it (the brake is worn): use the hardware stop"
+        why = "the STOP is not confirmed by it (motor_controller no): use the hardware stop"
         await person.until(f"/motor_controller started; {why}")
         await person.until("IS NO LONGER CERTAIN")
         assert f"failed: start: /motor_controller started; {why}" in person.said

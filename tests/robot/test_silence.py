@@ -51,16 +51,6 @@ async def state(person: Typed, after: float) -> str:
     return person.said[before:]
 
 
-async def test_nodes_that_were_heard_once_and_were_stopped_are_lost() -> None:
-    async with operated() as person:
-        robot = person._plain._station.robot
-        await until(lambda: robot.snapshot.battery.received and robot.snapshot.motion.received)
-        assert robot.snapshot.battery.period is None
-        person.type("halt battery_monitor\nhalt motor_controller\n")
-        await person.until("alarm unacknowledged: CONTACT LOST for ")
-        assert "battery GOOD, 87.5 %, old, " in await state(person, 5.0)
-
-
 @pytest.mark.waits
 async def test_what_is_heard_once_is_old_after_90_s_though_its_node_is_there() -> None:
     if clock.current is None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
 from rclpy.node import Node
 from std_srvs.srv import Empty, SetBool
 
@@ -115,21 +114,6 @@ async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> N
         asked = len(a.node.stops)
         await while_passes(3.0)
         assert len(a.node.stops) == asked
-
-
-async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
-    dazed = Made(StandIn, "dazed", "nothing", latches=True, moving=False)
-    async with robot(dazed) as it:
-        await until(lambda: it.snapshot.motion.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        await while_passes(3.0)
-        dazed.node.stopped = True
-        await until(lambda: it.snapshot.motion.stopped)
-        dazed.node.wake()  # what was sent before is answered, too
-        await while_passes(6.0)
-        assert not any("another client" in text for text in texts(it))
-        told = [text for text in texts(it) if text.startswith(("STOP, ", "STOP: the robot says"))]
-        assert told == ["STOP: the robot says that it is stopped"]
 
 
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
@@ -255,23 +239,6 @@ async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> Non
         await while_passes(3.0)
         assert driver.node.cancels == []
         assert it.snapshot.still_running_after_stop == ("another client's goal",)
-
-
-async def test_a_stop_does_not_cancel_a_goal_that_the_robot_ends_by_itself() -> None:
-    class Aborts(StandIn):
-        async def _drive(self, goal: Any) -> MoveToShelf.Result:
-            while not self.stops:
-                await self.sleep(0.05)
-            goal.abort()
-            return MoveToShelf.Result(final_message="stopped")
-
-    driver = Made(Aborts, "driver", "yes", goals="drive", moving=False)
-    async with robot(driver, offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).ok
-        assert (await ended(it.emergency_stop())).ok
-        await until(lambda: [goal.phase for goal in it.snapshot.history] == [Phase.ABORTED])
-        await while_passes(3.0)
-        assert driver.node.cancels == []
 
 
 async def test_an_action_whose_cancel_moves_the_robot_is_exempt(tmp_path: Path) -> None:

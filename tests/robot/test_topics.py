@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import math
-import operator
 from array import array
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -474,13 +473,6 @@ def test_nan_and_inf_everywhere_are_values_without_a_range() -> None:
     assert (array.type, array.nan, array.least) == ("float32[30]", 30, None)
 
 
-def test_a_row_that_has_not_changed_is_the_same_object() -> None:
-    fields = TopicFields({})
-    fields.add(0.0, UInt8MultiArray(data=b"1"), {})
-    first = fields.rows(0.3, TopicRequest())
-    assert all(map(operator.is_, first, fields.rows(0.5, TopicRequest())))
-
-
 def test_bytes_and_elements_that_are_shown_have_ranges_without_lost_spikes() -> None:
     fields, request = TopicFields({}), TopicRequest({"data": 40})
     for number in range(10):
@@ -501,16 +493,6 @@ def test_bytes_and_elements_that_are_shown_have_ranges_without_lost_spikes() -> 
     byte = TopicFields({})
     byte.add(1.0, Byte(data=b"\x07"), {})
     assert byte.rows(1.0, TopicRequest())[0].greatest == 7
-
-
-def test_a_bool_has_a_curve_and_no_range() -> None:
-    fields = TopicFields({})
-    fields.add(0.0, BatteryStatus(is_charging=True), {})
-    request = TopicRequest(visible=frozenset(["is_charging"]), curve_columns=2)
-    row = next(row for row in fields.rows(0.0, request) if row.path == "is_charging")
-    assert row.value is True
-    assert row.least is None
-    assert row.curve == (None, (True, True))
 
 
 def test_an_array_is_a_row_until_it_is_opened_twenty_elements_at_a_time() -> None:

@@ -34,7 +34,6 @@ from archo_tui.station.conditions import (
     Priority,
     Situation,
     kind_of,
-    open_stop_texts,
 )
 from archo_tui.station.history import History
 from archo_tui.station.view import View
@@ -496,11 +495,6 @@ def test_a_stop_from_before_the_start_is_told_until_something_is_known(
     found = conditions(snapshot, NOW, earlier_stop=1_700_000_000.0)
     assert ("earlier stop" in found) is is_told
     assert not snapshot.is_stopped or not is_told
-
-
-def test_a_stop_without_an_answer_is_not_said_to_be_a_silent_topic() -> None:
-    stop = OpenStop(NOW - 7.0, StopAnswer.NONE)
-    assert open_stop_texts(NORMAL, stop, NOW)[-1] == "STOP SENT, unanswered 7 s"
 
 
 def board_at(snapshot: Snapshot, board: AlarmBoard, now: float, *, silent: bool = False) -> Any:
