@@ -317,13 +317,6 @@ def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:
     assert slow.level_at(28.1) is DiagnosticLevel.STALE
 
 
-def test_names_without_end_do_not_fill_the_memory() -> None:
-    table = Diagnostics()
-    for number in range(1010):
-        table.add(array((f"part {number}", 0, "")), 0.0)
-    assert len(table.all) == 1000
-
-
 def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     table = Diagnostics()
     table.add(array(*((f"part {number}", 0, "") for number in range(1000))), 0.0)
@@ -333,15 +326,6 @@ def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     assert bad == ["late"]
     table.add(array(*((f"bad {number}", 2, "") for number in range(1010))), 2.0)
     assert len(table.all) == 1000
-
-
-def test_parts_of_one_name_differ_by_their_hardware() -> None:
-    table = Diagnostics()
-    both = array(("motor", 2, "burnt"), hardware="left")
-    both.status += array(("motor", 0, "fine"), hardware="right").status
-    table.add(both, 0.0)
-    assert found(table) == [("motor (left)", "ERROR", "burnt"), ("motor (right)", "OK", "fine")]
-    table.add(both, 1.0)
 
 
 def test_the_worst_of_several_statuses_of_a_part_in_one_array_stays() -> None:
@@ -361,15 +345,6 @@ def test_a_status_without_hardware_makes_way_unless_it_is_bad() -> None:
         ("fan (sn 12)", "OK", "turns"),
         ("motor (sn 12)", "OK", "fine"),
     ]
-
-
-def test_a_part_is_forgotten_until_it_reports_again() -> None:
-    table = Diagnostics()
-    table.add(array(("motor", 2, "burnt"), hardware="left"), 0.0)
-    table.forget(("motor", "left"))
-    assert table.all == ()
-    table.add(array(("motor", 2, "burnt"), hardware="left"), 1.0)
-    assert len(table.all) == 1
 
 
 # Clocks that differ: which stamps count, and when the alarm is over.
