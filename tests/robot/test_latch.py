@@ -189,17 +189,14 @@ async def test_one_that_cannot_take_it_is_no_longer_certain() -> None:
         assert f"failed: start: /motor_controller started; {why}" in person.said
 
 
-@pytest.mark.parametrize("last", ["", "halt motor_controller --yes\nstart motor_controller\n"])
-async def test_a_release_is_judged_by_what_was_confirmed_and_never_waits(
-    last: str,
-) -> None:
-    code, said = await typed(f"stop\n{last}release --yes\ngo 7\n", ros_args=FAST)
+async def test_a_release_is_judged_by_what_was_confirmed_and_never_waits() -> None:
+    lines = "stop\nhalt motor_controller --yes\nstart motor_controller\nrelease --yes\ngo 7\n"
+    code, said = await typed(lines, ros_args=FAST)
     assert code == 0, said
     async with operated(ros_args=FAST) as person:
         await while_passes(6.0)
         before = seconds()
-        person.type("release --yes\n")
-        await person.until("failed: release: the robot is not stopped")
+        await person.enter("release --yes", "failed: release: the robot is not stopped")
         assert seconds() - before < 0.5
 
 
