@@ -337,25 +337,11 @@ def test_it_is_from_when_it_left_and_from_before_all_stops_until_then() -> None:
     assert (left.goal.sent, left.goal.number, left.turn) == (NOW, 7, 5)
 
 
-def test_a_refusal_in_time_waits_for_its_reason_and_a_late_one_ends_it() -> None:
-    assert sent().refused_late(NOW) == sent()
-    late = unknown().refused_late(NOW).goal
-    assert (late.phase, late.message) == (Phase.REFUSED, "refused (the answer came late)")
-
-
 def test_it_is_taken_as_accepted_since_it_was_sent_if_feedback_says_so() -> None:
     early = sent().fed(FEEDBACK, NOW + 1.0, is_void=False)
     assert (early.goal.started, early.goal.heard) == (NOW, NOW + 1.0)
     known = sent().accepted(NOW + 1.0, is_void=False).fed(FEEDBACK, NOW + 2.0, is_void=False)
     assert known.goal.started == NOW + 1.0
-
-
-def test_feedback_of_a_goal_without_an_answer_cancels_it_if_not_wanted() -> None:
-    assert unknown().fed(FEEDBACK, NOW, is_void=True).todo == (GoalEffect.CANCEL,)
-    assert unknown().fed(FEEDBACK, NOW, is_void=False).todo == ()
-    silent = unknown().called_off().cancelling(NOW).fire(Event.SILENT, NOW)
-    assert silent.goal.phase is Phase.LOST
-    assert silent.fed(FEEDBACK, NOW, is_void=False).todo == (GoalEffect.CANCEL,)
 
 
 # Its end.
@@ -405,25 +391,6 @@ def test_an_end_is_told_in_the_robots_words_if_they_say_it_all(
     assert end_text(GOAL._replace(phase=before), ended) == text
 
 
-# Its cancel.
-
-
-@pytest.mark.parametrize(("cancels", "phase"), [(1, Phase.LOST), (2, Phase.CANCELLING)])
-def test_a_yes_to_a_cancel_is_one_answer_less_that_is_awaited(cancels: int, phase: Phase) -> None:
-    goal = accepted()
-    for _ in range(cancels):
-        goal = goal.cancelling(NOW)
-    again = goal.cancel_accepted().fire(Event.SILENT, NOW).cancelling(NOW)
-    assert again.cancel_failed(NOW, is_rejected=False).goal.phase is phase
-
-
-def test_a_status_tells_of_a_cancel_by_another_client() -> None:
-    told = accepted().reported(None, NOW + 1.0, is_canceling=True)
-    assert (told.goal.phase, told.goal.cancel_asked) == (Phase.CANCELLING, NOW + 1.0)
-    assert told.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.CANCELLING
-    assert accepted().reported(None, NOW, is_canceling=False) == accepted()
-
-
 # What is asked, and when.
 
 
@@ -463,14 +430,3 @@ def test_a_status_leaves_our_cancel_as_it_was_asked() -> None:
     assert goal.reported(None, NOW + 1.0, is_canceling=True).goal.cancel_asked == NOW
     unsaid = goal.reported(None, NOW + 1.0, is_canceling=False)
     assert unsaid.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.MOVING
-
-
-def test_only_a_goal_without_an_answer_is_called_off() -> None:
-    for goal, is_cancelled in ((sent(), True), (unknown(), True), (accepted(), False)):
-        assert goal.called_off() == goal._replace(is_cancelled=is_cancelled)
-
-
-def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:
-    silent = accepted().fire(Event.SILENT, NOW)
-    assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
-    assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST
