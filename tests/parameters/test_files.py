@@ -102,6 +102,11 @@ if __name__ == "__main__":
 """
 
 
+@pytest.fixture(autouse=True)
+def _discovers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # Programs are processes.
+
+
 @pytest.fixture
 def motor(here: Path) -> Path:
     file = here / "motor.py"

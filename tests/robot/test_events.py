@@ -70,16 +70,6 @@ def test_of_a_flood_50_lines_a_second_are_kept_and_the_rest_counted() -> None:
     assert [e.text for e in log.all()][-2:] == ["Another source", "Tick 100"]
 
 
-def test_other_levels_sources_and_the_operators_lines_are_never_merged() -> None:
-    log = EventLog()
-    log.add(event("a 1"))
-    log.add(event("a 2", "ERROR"))
-    log.add(event("a 3", source="other"))
-    for _ in range(2):
-        log.add(event("reset", "YOU"))
-    assert len(log.all()) == 5
-
-
 def test_a_flood_pushes_out_neither_an_error_nor_what_the_operator_did() -> None:
     log = EventLog()
     log.add(event("reset", "YOU"))

@@ -58,16 +58,6 @@ def test_what_is_old_or_not_reported_is_a_gap() -> None:
     assert greatest(history, "speed", 10.0, 10, 9.0) == [None] * 10
 
 
-def test_a_drive_that_is_over_before_its_part_is_stays_in_the_hour() -> None:
-    history = History()
-    for second in range(3600):
-        speed = 0.8 if 3000 <= second < 3012 else 0.0
-        motion = replace(MOTOR, speed=speed, received=float(second))
-        history.observe(NORMAL._replace(motion=motion), float(second))
-    found = [both for both in history.ranges("speed", 3600.0, 224, 3599.0) if both is not None]
-    assert [both for both in found if both != (0.0, 0.0)] in ([(0.0, 0.8)], [(0.0, 0.8)] * 2)
-
-
 def test_a_drive_between_two_samples_is_in_the_history() -> None:
     history = History()
     for tenth in range(40):
