@@ -381,7 +381,7 @@ def test_a_look_keeps_to_its_time_and_the_next_goes_on() -> None:
     assert all(looks.nodes(f"/n{number}/s") == (f"/n{number}",) for number in range(200))
 
 
-def test_what_comes_is_seen_at_the_next_look_and_what_leaves_in_half_a_minute() -> None:
+def test_what_comes_is_seen_at_the_next_look_what_leaves_within_30_s() -> None:
     graph = Graph(200)
     graph.publishes["n0"].append("/n1/t0")
     graph.nameless = {"/bare", "/bare_service"}  # No node is known for these.

@@ -298,7 +298,7 @@ def found(table: Diagnostics) -> list[tuple[str, str, str]]:
     return [(status.part, status.level.value, status.message) for status in table.all]
 
 
-def test_a_level_is_a_byte_or_a_number_and_one_that_nobody_knows_an_error() -> None:
+def test_a_level_is_a_byte_or_a_number_and_an_unknown_one_an_error() -> None:
     table = Diagnostics()
     levels = array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", ""), ("d", b"\x09", ""))
     table.add(levels, 0.0)
