@@ -297,18 +297,6 @@ def test_what_cannot_be_is_one_line(archo: Archo) -> None:
         assert said in err
 
 
-async def test_what_waits_for_the_disk_at_the_end_is_written_too(
-    slow: tuple[threading.Event, threading.Event],
-) -> None:
-    async with operated(*FAST) as (person, session):
-        session.station.recorder.keep()
-        await while_passes(6.5)
-        await stopped(person)  # whose seconds are not over
-        slow[1].set()
-    assert [one.why for one in found()] == ["kept", "STOP"]
-    assert session.unrecorded == ""
-
-
 async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+x")

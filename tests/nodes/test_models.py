@@ -8,11 +8,6 @@ from archo_bringup import battery_model, motion
 pytestmark = pytest.mark.pure
 
 
-@pytest.mark.parametrize(("percentage", "volts"), [(87.5, 24.1), (0.0, 20.6), (100.0, 24.6)])
-def test_voltage_follows_the_charge(percentage: float, volts: float) -> None:
-    assert battery_model.voltage(percentage) == pytest.approx(volts)
-
-
 def test_the_charge_stays_between_empty_and_full() -> None:
     assert battery_model.changed(1.0, -2.0) == 0.0
     assert battery_model.changed(99.5, 2.0) == 100.0
@@ -37,17 +32,6 @@ def test_a_low_battery_warns_at_twenty_and_clears_at_twenty_three(
 
 def test_a_threshold_near_full_can_still_clear() -> None:
     assert battery_model.health(100.0, 99.0, "warning") == "good"
-
-
-def test_a_default_move_is_six_steps_of_three_metres() -> None:
-    drive = motion.Drive()
-    drive.begin(18.0)
-    left = []
-    arrived = False
-    while not arrived:
-        arrived = drive.advance(0.8 * 7.5 * 0.5, 1.0)
-        left.append(drive.remaining)
-    assert left == [15.0, 12.0, 9.0, 6.0, 3.0, 0.0]
 
 
 def test_ticks_grow_with_the_way_driven_and_not_beyond_the_end() -> None:

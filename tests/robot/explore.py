@@ -533,14 +533,6 @@ def explore(world: World) -> Found:
     return breadth_first(normal(world), moves, normal, check, lambda world: world)
 
 
-def follow(world: World, *way: str) -> World:
-    """Let these things happen, one after the other, and check each state."""
-    for name in way:
-        world = normal(dict(moves(normal(world)))[name](normal(world)))
-        check(world)
-    return world
-
-
 BOTH = ("stop", "release")
 # By day, without what is left of calls that the machine makes by itself; seconds in all.
 SMALL: dict[str, dict[str, Any]] = {

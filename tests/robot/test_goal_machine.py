@@ -63,13 +63,6 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
         assert phases(goal, now, motion=Motion(received=now, period=0.2)) == [phase]
 
 
-def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
-    goal, resumed = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4), NOW + 60.0
-    for passed, phase in ((0.0, Phase.MOVING), (2.9, Phase.MOVING), (3.1, Phase.LOST)):
-        after = goal.tick(resumed + passed, Motion(), resumed, is_served=True)
-        assert after.goal.phase is phase
-
-
 QUICK = (NOW, NOW + 0.2, NOW + 0.4)
 
 
@@ -92,11 +85,6 @@ def test_a_silence_is_judged_by_what_is_known(
     assert (before, lost) == (goal.goal.phase, Phase.LOST)
     after = goal.tick(NOW + longest + 0.1, motion, NEVER, is_served=True).goal
     assert after.lost == NOW + longest + 0.1
-
-
-def test_without_feedback_and_motion_its_server_alone_decides() -> None:
-    assert phases(accepted(), NOW + 100.0) == [Phase.MOVING]
-    assert accepted().fire(Event.CANCEL, NOW + 1.0).goal.lost is None
 
 
 @pytest.mark.parametrize(
@@ -186,18 +174,6 @@ def test_a_goal_that_stands_or_is_late_has_no_time_left() -> None:
     assert driven([(0.8, 5.0)], 10.0, 0.1)[:2] == [None] * 2
 
 
-def underway() -> TrackedGoal:
-    return found(SHELF, Phase.MOVING, 300.0, NOW, 7, 1)
-
-
-def test_the_time_left_of_a_goal_found_underway_is_judged_by_what_was_seen() -> None:
-    goal = underway().with_length(18.0)
-    assert goal.goal.seconds_left(NOW) is None
-    for seconds, left in ((2.0, 12.0), (4.0, 11.0), (6.0, 10.0)):
-        goal = fed(goal, NOW + seconds, left=left)
-    assert goal.goal.seconds_left(NOW + 6.0) == 20.0  # 2 m in 4 s
-
-
 def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
     goal = found(SHELF, Phase.MOVING, 2.0, NOW, 7, 1)
     for seconds, left in ((0.0, 12.0), (2.0, 11.0), (4.0, 10.0)):
@@ -275,11 +251,6 @@ def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None
     assert accepted().behind_stop(5, NOW).todo == ()  # It was sent behind the STOP.
     assert sent().behind_stop(6, NOW).todo == ()  # It is void, and cancelled when accepted.
     assert accepted().cancelled_with_all(NOW).behind_stop(6, NOW + 1.0).todo == ()
-
-
-def test_a_stop_behind_its_acceptance_is_left_to_the_robot_first() -> None:
-    goal = accepted().fed(SimpleNamespace(distance_remaining=5.0), NOW, is_void=True)
-    assert goal.todo == ()
 
 
 @pytest.mark.parametrize("before", [Phase.MOVING, Phase.UNKNOWN, Phase.LOST])
@@ -366,25 +337,11 @@ def test_it_is_from_when_it_left_and_from_before_all_stops_until_then() -> None:
     assert (left.goal.sent, left.goal.number, left.turn) == (NOW, 7, 5)
 
 
-def test_a_refusal_in_time_waits_for_its_reason_and_a_late_one_ends_it() -> None:
-    assert sent().refused_late(NOW) == sent()
-    late = unknown().refused_late(NOW).goal
-    assert (late.phase, late.message) == (Phase.REFUSED, "refused (the answer came late)")
-
-
 def test_it_is_taken_as_accepted_since_it_was_sent_if_feedback_says_so() -> None:
     early = sent().fed(FEEDBACK, NOW + 1.0, is_void=False)
     assert (early.goal.started, early.goal.heard) == (NOW, NOW + 1.0)
     known = sent().accepted(NOW + 1.0, is_void=False).fed(FEEDBACK, NOW + 2.0, is_void=False)
     assert known.goal.started == NOW + 1.0
-
-
-def test_feedback_of_a_goal_without_an_answer_cancels_it_if_not_wanted() -> None:
-    assert unknown().fed(FEEDBACK, NOW, is_void=True).todo == (GoalEffect.CANCEL,)
-    assert unknown().fed(FEEDBACK, NOW, is_void=False).todo == ()
-    silent = unknown().called_off().cancelling(NOW).fire(Event.SILENT, NOW)
-    assert silent.goal.phase is Phase.LOST
-    assert silent.fed(FEEDBACK, NOW, is_void=False).todo == (GoalEffect.CANCEL,)
 
 
 # Its end.
@@ -434,25 +391,6 @@ def test_an_end_is_told_in_the_robots_words_if_they_say_it_all(
     assert end_text(GOAL._replace(phase=before), ended) == text
 
 
-# Its cancel.
-
-
-@pytest.mark.parametrize(("cancels", "phase"), [(1, Phase.LOST), (2, Phase.CANCELLING)])
-def test_a_yes_to_a_cancel_is_one_answer_less_that_is_awaited(cancels: int, phase: Phase) -> None:
-    goal = accepted()
-    for _ in range(cancels):
-        goal = goal.cancelling(NOW)
-    again = goal.cancel_accepted().fire(Event.SILENT, NOW).cancelling(NOW)
-    assert again.cancel_failed(NOW, is_rejected=False).goal.phase is phase
-
-
-def test_a_status_tells_of_a_cancel_by_another_client() -> None:
-    told = accepted().reported(None, NOW + 1.0, is_canceling=True)
-    assert (told.goal.phase, told.goal.cancel_asked) == (Phase.CANCELLING, NOW + 1.0)
-    assert told.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.CANCELLING
-    assert accepted().reported(None, NOW, is_canceling=False) == accepted()
-
-
 # What is asked, and when.
 
 
@@ -492,14 +430,3 @@ def test_a_status_leaves_our_cancel_as_it_was_asked() -> None:
     assert goal.reported(None, NOW + 1.0, is_canceling=True).goal.cancel_asked == NOW
     unsaid = goal.reported(None, NOW + 1.0, is_canceling=False)
     assert unsaid.cancel_failed(NOW, is_rejected=False).goal.phase is Phase.MOVING
-
-
-def test_only_a_goal_without_an_answer_is_called_off() -> None:
-    for goal, is_cancelled in ((sent(), True), (unknown(), True), (accepted(), False)):
-        assert goal.called_off() == goal._replace(is_cancelled=is_cancelled)
-
-
-def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:
-    silent = accepted().fire(Event.SILENT, NOW)
-    assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
-    assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST

@@ -15,7 +15,6 @@ from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.station.alarms import Alarm, AlarmState, holding
 from archo_tui.station.conditions import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY
-from tests.robot.explore_queue import Stage, stage
 from tests.support.archo import ARCHO, SHELF
 
 pytestmark = pytest.mark.pure
@@ -99,21 +98,6 @@ def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
         assert waiting.hold_reason == "STOP"
 
 
-def test_the_next_one_waits_until_the_one_before_was_seen_to_end() -> None:
-    waiting, sent = look(queue(7, 3), Snapshot(file=ARCHO))  # Accepted, and not seen yet.
-    assert sent == ""
-    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)))
-    assert sent == ""
-    waiting, sent = look(waiting, ARRIVED)
-    assert sent == "7"
-    assert (stage(waiting, 2), stage(waiting, 3)) == (Stage.ON_ITS_WAY, Stage.WAITING)
-    assert look(waiting, ARRIVED)[1] == ""
-    waiting = waiting.hand_over().answered(YES)
-    assert look(waiting, ARRIVED)[1] == ""
-    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(7)))
-    assert (sent, stage(waiting, 2)) == ("3", Stage.SETTLED)
-
-
 def test_it_goes_on_until_all_are_driven_or_held() -> None:
     sent = GoalQueue().submit([target(0), target(7)], Snapshot(file=ARCHO))
     accepted = sent.hand_over().answered(YES)
@@ -136,32 +120,6 @@ def test_an_alarm_neither_takes_the_place_of_another_reason_nor_holds_once_ackno
     for name, sent in ((LOW_BATTERY, "7"), (CONTACT_LOST, "")):  # But a lost contact does.
         seen = Alarm(name, "", 0.0, AlarmState.ACKNOWLEDGED)
         assert look(queue(7), ARRIVED, [seen])[1] == sent
-
-
-def test_an_alarm_that_holds_nothing_is_not_named_by_a_later_hold() -> None:
-    low = Alarm(LOW_BATTERY, "", 0.0)
-    driving, _ = look(queue(), Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), [low])
-    waiting = driving.submit([target(7)], Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)))
-    held, _ = look(waiting, Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED)))
-    assert held.hold_reason == "aborted"
-
-
-def test_a_queue_that_is_held_on_is_told_once() -> None:
-    stopped = ARRIVED._replace(motion=Motion(stopped=True))
-    again = look(queue(7), stopped)[0].resume(0).seen(stopped, 0.0, 0)
-    assert again.hold_reason == "STOP"
-    assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
-    held = GoalQueue().restore([target(1)])._replace(todo=())
-    failed = held.seen(Snapshot(goal=ended(5, Phase.ABORTED)), 0.0, 0)
-    assert (failed.hold_reason, failed.todo) == ("restart", ())
-
-
-def test_behind_a_goal_that_a_stop_ends_the_next_is_held() -> None:
-    driving = Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING))
-    waiting, _ = look(queue(), driving)
-    assert waiting.submit([target(7)], driving, is_stopped=True).hold_reason == "STOP"
-    sent = waiting.submit([target(7)], ARRIVED, is_stopped=True)  # The robot's side refuses it.
-    assert (sent.hold_reason, stage(sent, 2)) == ("", Stage.ON_ITS_WAY)
 
 
 def running(number: int, *, mine: bool) -> Goal:
@@ -244,34 +202,7 @@ def test_a_goal_on_its_way_is_shown_as_sent_until_it_is_seen() -> None:
     assert shown == Goal(SHELF, {"shelf_number": 7}, Phase.SENT, 0.0, 0.0)
 
 
-def test_a_new_list_behind_a_held_queue_is_held_but_for_its_first() -> None:
-    held = GoalQueue().restore([target(1)])._replace(todo=())
-    after = held.submit([target(3), target(4)], NOBODY)
-    assert done(after) == [
-        (QueueEffect.SEND, "3", ""),
-        (QueueEffect.SETTLE, "4", "held: 4 (restart)"),
-    ]
-    assert [goal.text for goal in after.waiting] == ["1", "4"]
-
-
-def test_what_is_taken_over_at_a_restart_is_held_to_its_last_goal() -> None:
-    assert (RESTORED.coming, RESTORED.hold_reason) == (None, "restart")
-    held = [(QueueEffect.SETTLE, text, f"held: {text} (restart)") for text in ("1", "2")]
-    assert done(RESTORED) == [(QueueEffect.NOTE, "", "queue held: 1, 2 (restart)"), *held]
-    assert GoalQueue().restore([]) == GoalQueue()
-    one = RESTORED.skip()
-    assert (one.hold_reason, one.skip().hold_reason) == ("restart", "")
-
-
 # Its way.
-
-
-def test_a_goal_is_called_off_until_it_is_handed_over() -> None:
-    coming = typed(1)
-    called_off, over = coming.call_off().coming, coming.hand_over()
-    assert (called_off and called_off.is_called_off, over.call_off()) == (True, over)
-    assert over.coming is not None
-    assert over.coming.is_handed_over
 
 
 def test_a_screen_that_ends_settles_what_it_did_not_send_and_forgets_the_rest() -> None:
@@ -330,27 +261,6 @@ def test_a_list_is_held_by_what_fails_or_a_later_refusal() -> None:
         assert ([goal.text for goal in after.waiting], after.hold_reason) == ([waiting], reason)
 
 
-@pytest.mark.parametrize(
-    ("outcome", "by", "has_left", "is_cancelled"),
-    [
-        (YES, SHELL, False, False),
-        (YES, SHELL, True, True),
-        (SILENT, YOU, False, False),
-        (SILENT, SHELL, False, True),
-        (SILENT, SHELL, True, True),
-        (SILENT, YOU, True, True),
-        (REFUSED, SHELL, False, False),
-        (REFUSED, SHELL, True, False),
-    ],
-)
-def test_a_goal_that_may_run_for_nobody_is_cancelled(
-    outcome: Outcome, by: Requester, has_left: bool, is_cancelled: bool
-) -> None:
-    over = typed(1, by=by).hand_over()
-    after = (over.leave(by) if has_left else over).answered(outcome)
-    assert (QueueEffect.CANCEL in [deed.do for deed in after.todo]) is is_cancelled
-
-
 # Those that leave.
 
 
@@ -370,13 +280,6 @@ def test_what_a_client_wanted_goes_with_it_and_what_others_want_stays() -> None:
 
 
 # What is seen.
-
-
-def test_a_goal_is_settled_with_its_end_which_its_requester_is_shown() -> None:
-    after = queue().seen(ARRIVED, 0.0, 0)
-    (settled,) = after.todo
-    assert (settled.do, settled.goal and settled.goal.number) == (QueueEffect.SETTLE, 1)
-    assert (settled.outcome, settled.ended) == (Outcome(Code.ARRIVED, "arrived"), ARRIVED.goal)
 
 
 @pytest.mark.parametrize(

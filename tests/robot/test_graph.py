@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
@@ -64,10 +62,7 @@ async def test_hidden_nodes_are_not_listed_and_two_of_one_name_are_an_alarm() ->
         assert {node.name for node in it.snapshot.nodes} == {"/twin"}
 
 
-async def test_an_action_of_another_type_is_greyed_with_its_type(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
+async def test_an_action_of_another_type_is_greyed_with_its_type() -> None:
     domain = chosen.next_domain()
     elsewhere = Ros(domain_id=domain)  # of one process, DDS allows one type a topic
     elsewhere.node("other").create_publisher(String, "move_to_shelf/_action/feedback", 10)
@@ -108,52 +103,48 @@ async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one()
 # Who comes and leaves: not those of the start, nor those that run here.
 
 FOUND = {"/lamp", "/tb1/base"}
+NAV = {f"/nav/{name}" for name in ("amcl", "bt", "costmap", "drive", "map")}
+LATE = [{f"/node_{number}" for number in range(found)} for found in range(10)]
+Look = tuple[float, set[str], list[str]]  # When, who is there, and what is told.
 
 
-def settled() -> Arrivals:
-    """One that has seen all nodes of the start."""
+@pytest.mark.parametrize(
+    ("start", "looks"),
+    [
+        (
+            SETTLED,
+            [
+                (10.0, {"/lamp"}, ["node tb1/base left"]),
+                (11.0, {"/lamp"}, []),
+                (12.0, FOUND, ["node tb1/base came"]),
+            ],
+        ),
+        (
+            SETTLED,
+            [(10.0, FOUND | NAV, ["5 nodes came: nav/amcl, nav/bt, nav/costmap and 2 more"])],
+        ),
+        # One of those that run here is told by its host alone.
+        (SETTLED, [(10.0, FOUND | {"/own"}, []), (11.0, FOUND, []), (12.0, FOUND, [])]),
+        (SETTLED, [(10.0, FOUND | {"/own"}, []), (11.0, FOUND, []), (12.0, FOUND | {"/own"}, [])]),
+        # It leaves while others of the start come, which are not told however slowly they do.
+        (0.0, [(1.0, {"/lamp", "/late"}, ["node tb1/base left"])]),
+        (
+            0.0,
+            [
+                *((4.0 * second, FOUND | late, []) for second, late in enumerate(LATE)),
+                (36.0 + SETTLED, FOUND | LATE[-1], []),
+                (42.0, FOUND | LATE[-1] | {"/fan"}, ["node fan came"]),
+            ],
+        ),
+    ],
+)
+def test_who_comes_and_leaves_is_told_in_a_line(start: float, looks: list[Look]) -> None:
     arrivals = Arrivals(0.0)
-    assert arrivals.compare(FOUND, (), 0.0) == []
-    assert arrivals.compare(FOUND, (), SETTLED) == []
-    return arrivals
-
-
-def test_a_node_that_leaves_or_comes_is_a_line() -> None:
-    arrivals = settled()
-    assert arrivals.compare({"/lamp"}, (), 10.0) == ["node tb1/base left"]
-    assert arrivals.compare({"/lamp"}, (), 11.0) == []
-    assert arrivals.compare(FOUND, (), 12.0) == ["node tb1/base came"]
-
-
-def test_nodes_of_the_start_are_not_told_however_slowly_they_are_found() -> None:
-    arrivals, found = Arrivals(0.0), set[str]()
-    for second in range(0, 40, 4):
-        found.add(f"/node_{second}")
-        assert arrivals.compare(found, (), float(second)) == []
-    assert arrivals.compare(found, (), 36.0 + SETTLED) == []
-    assert arrivals.compare({*found, "/lamp"}, (), 42.0) == ["node lamp came"]
-
-
-def test_one_that_leaves_while_others_of_the_start_come_is_told() -> None:
-    arrivals = Arrivals(0.0)
-    arrivals.compare(FOUND, (), 0.0)
-    assert arrivals.compare({"/lamp", "/late"}, (), 1.0) == ["node tb1/base left"]
-
-
-def test_many_at_once_are_one_line() -> None:
-    arrivals = settled()
-    stack = {f"/nav/{name}" for name in ("amcl", "bt", "costmap", "drive", "map")}
-    assert arrivals.compare(FOUND | stack, (), 10.0) == [
-        "5 nodes came: nav/amcl, nav/bt, nav/costmap and 2 more"
-    ]
-
-
-@pytest.mark.parametrize("there", [FOUND, FOUND | {"/own"}])
-def test_a_node_that_runs_here_is_told_by_its_host_alone(there: set[str]) -> None:
-    arrivals = settled()
-    assert arrivals.compare(FOUND | {"/own"}, ("/own",), 10.0) == []
-    assert arrivals.compare(FOUND, (), 11.0) == []
-    assert arrivals.compare(there, (), 12.0) == []
+    for now in {0.0, start}:
+        assert arrivals.compare(FOUND, (), now) == []
+    for now, there, told in looks:
+        own = ("/own",) if now == 10.0 else ()  # It has ended here behind that.
+        assert arrivals.compare(there, own, now) == told
 
 
 async def test_a_node_that_visits_the_robot_is_seen_to_come_and_leave() -> None:
@@ -169,23 +160,6 @@ async def test_a_node_that_visits_the_robot_is_seen_to_come_and_leave() -> None:
         await until(lambda: told() == ["node visitor came", "node visitor left"])
 
 
-async def test_a_node_that_the_operator_stops_and_starts_is_told_once() -> None:
-    async with operated(Made(Node, "lamp")) as person:
-        await while_passes(SETTLED + 2.0)
-        it = person._plain._station.robot
-
-        def nodes() -> list[str]:
-            return [node.name for node in it.snapshot.nodes]
-
-        person.type("halt lamp\n")
-        await until(lambda: nodes() == [])
-        person.type("start lamp\n")
-        await until(lambda: nodes() == ["/lamp"])
-        assert await person.end("events\n") == 0
-    assert "YOU console: start /lamp" in person.said
-    assert "node lamp" not in person.said
-
-
 # Ends of one topic that do not fit, with what to change.
 
 
@@ -195,24 +169,17 @@ class Talker(Node):
         self.create_publisher(Float32, "voltage", qos)
 
 
-HEARS_NOTHING = "hearer hears nothing of talker on /voltage: "
-
-
 TYPES = (
-    f"{HEARS_NOTHING}it subscribes to std_msgs/msg/Bool, published is std_msgs/msg/Float32."
-    " Use one type in both."
+    "hearer hears nothing of talker on /voltage: it subscribes to std_msgs/msg/Bool, "
+    "published is std_msgs/msg/Float32. Use one type in both."
 )
-
-
 QOS = (
-    f"{HEARS_NOTHING}it asks for RELIABLE, published is BEST_EFFORT."
-    " Publish RELIABLE, or subscribe with BEST_EFFORT."
+    "hears nothing of talker on /voltage: it asks for RELIABLE, published is BEST_EFFORT. "
+    "Publish RELIABLE, or subscribe with BEST_EFFORT."
 )
-
-
 DURABILITY = (
-    f"{HEARS_NOTHING}it asks for TRANSIENT_LOCAL, published is VOLATILE."
-    " Publish TRANSIENT_LOCAL, or subscribe with VOLATILE."
+    "hears nothing of talker on /voltage: it asks for TRANSIENT_LOCAL, published is VOLATILE. "
+    "Publish TRANSIENT_LOCAL, or subscribe with VOLATILE."
 )
 
 
@@ -221,77 +188,36 @@ def _discovers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
 
 
-@contextmanager
-def hearing(domain: int, kind: Any, qos: Any) -> Iterator[None]:
-    """Have a node subscribe in a context of its own: in one, ROS 2 refuses a second type."""
-    elsewhere = Ros(domain_id=domain)
-    try:
-        elsewhere.node("hearer").create_subscription(kind, "voltage", lambda _: None, qos)
-        yield
-    finally:
-        elsewhere.close()
-
-
-@pytest.mark.parametrize(
-    ("published", "kind", "asked", "said"),
-    [
-        (10, Bool, 10, TYPES),
-        (BEST_EFFORT, Float32, 10, QOS),
-        (10, Float32, LATCHED, DURABILITY),
-        (LATCHED, Float32, BEST_EFFORT, ""),
-    ],
-)
-async def test_who_hears_nothing_is_named_and_what_to_change(
-    published: Any, kind: Any, asked: Any, said: str
-) -> None:
-    domain = chosen.next_domain()
-    async with robot(Made(Talker, published), domain_id=domain) as it:
-
-        def found() -> tuple[str, ...] | None:
-            """Return what is wrong with the topic; None while it is not seen."""
-            rows = [row for row in it.snapshot.resources if row.name == "/voltage"]
-            return rows[0].mismatches if rows else None
-
-        with hearing(domain, kind, asked):
-            await until(lambda: len(it.snapshot.nodes) == 2)
-            if said:
-                await until(lambda: found() == (said,))
-                await until(lambda: any(event.text == said for event in it.snapshot.events))
-                events = [event for event in it.snapshot.events if event.text == said]
-                assert [(event.level, event.count) for event in events] == [("WARN", 1)]
-            else:
-                await until(lambda: found() is not None)
-                assert found() == ()
-        await until(lambda: found() == ())
-
-
 async def test_a_second_subscription_of_a_node_that_is_known_is_seen() -> None:
     talker = Made(Talker, BEST_EFFORT)
     async with robot(talker) as it:
         await until(lambda: any(row.name == "/voltage" for row in it.snapshot.resources))
         talker.node.create_subscription(Float32, "voltage", lambda _: None, 10)
-        said = QOS.replace("hearer", "talker")
+        said = f"talker {QOS}"
         await until(lambda: any(said in row.mismatches for row in it.snapshot.resources))
 
 
-async def test_topics_lists_the_graph_with_what_does_not_fit_below() -> None:
+async def test_topics_lists_the_graph_with_what_does_not_fit_below_while_it_does_not() -> None:
     domain = chosen.next_domain()
     async with operated(Talker, domain_id=domain) as typed:
-        with hearing(domain, Bool, 10):
+        elsewhere = Ros(domain_id=domain)  # In one context, ROS 2 refuses a second type.
+        try:
+            elsewhere.node("hearer").create_subscription(Bool, "voltage", lambda _: None, 10)
             await typed.until(f"WARN console: {TYPES}")
-            typed.type("topics\n")
             types = "std_msgs/msg/Bool, std_msgs/msg/Float32"
-            await typed.until(f"topic /voltage {types}, talker\n  {TYPES}\n")
+            await typed.enter("topics", f"topic /voltage {types}, talker\n  {TYPES}\n")
+        finally:
+            elsewhere.close()
+        await until(
+            lambda: not any(row.mismatches for row in typed.station.robot.snapshot.resources)
+        )
+        assert typed.said.count(f"WARN console: {TYPES}") == 1
 
 
 CELL = "depot_interfaces/msg/CellState"
-
-
 ONE, OTHER = f"RIHS01_1a2b3c4d{'0' * 56}", f"RIHS01_5e6f7a8b{'0' * 56}"
-
-
 MISREADS = (
-    "may misread power on /cell: its depot_interfaces/msg/CellState is another version, hash"
+    "may misread talker on /voltage: its depot_interfaces/msg/CellState is another version, hash"
     " 5e6f7a8b, published is 1a2b3c4d. Build both with one version of depot_interfaces."
 )
 
@@ -323,20 +249,17 @@ def hashed(of: str, **changed: Any) -> dict[str, Any]:
         (hashed(ONE), "hearer", hashed("INVALID"), ()),  # Of an end that is older than Iron.
         (hashed("INVALID"), "hearer", hashed(OTHER), ()),
         ({}, "hearer", {}, ()),  # Before Iron, and on the embedded engine.
+        # What hears nothing is not said to misread.
+        (hashed(ONE, qos_profile=BEST_EFFORT), "hearer", hashed(OTHER), (f"hearer {QOS}",)),
+        ({}, "hearer", {"qos_profile": LATCHED}, (f"hearer {DURABILITY}",)),
+        ({"qos_profile": LATCHED}, "hearer", {"qos_profile": BEST_EFFORT}, ()),
     ],
 )
-def test_two_versions_of_one_type_are_named_by_node_and_hash(
+def test_who_hears_nothing_or_another_version_is_named_with_what_to_change(
     published: Any, hearer: str, asked: Any, said: tuple[str, ...]
 ) -> None:
-    ends = [endpoint("power", **published)], [endpoint(hearer, **asked)]
-    assert mismatches("/cell", *ends, "/_console") == said
-
-
-@pytest.mark.pure
-def test_what_hears_nothing_is_not_said_to_misread() -> None:
-    publisher = endpoint("power", topic_type_hash=ONE, qos_profile=BEST_EFFORT)
-    (said,) = mismatches("/cell", [publisher], [endpoint("hearer", topic_type_hash=OTHER)])
-    assert "hears nothing of power" in said
+    ends = [endpoint("talker", **published)], [endpoint(hearer, **asked)]
+    assert mismatches("/voltage", *ends, "/_console") == said
 
 
 # A graph of thousands of names: little is asked at a look, and all of it is found in time.
@@ -458,38 +381,29 @@ def test_a_look_keeps_to_its_time_and_the_next_goes_on() -> None:
     assert all(looks.nodes(f"/n{number}/s") == (f"/n{number}",) for number in range(200))
 
 
-def test_a_publisher_that_leaves_a_shared_topic_is_seen_in_half_a_minute() -> None:
+def test_what_comes_is_seen_at_the_next_look_what_leaves_within_30_s() -> None:
     graph = Graph(200)
     graph.publishes["n0"].append("/n1/t0")
+    graph.nameless = {"/bare", "/bare_service"}  # No node is known for these.
     looks = Looks(graph)
     looks.look()
     assert looks.nodes("/n1/t0") == ("/n0", "/n1")
+    assert looks.nodes("/bare") == ("/_NODE_NAME_UNKNOWN_",)
+    row = looks.row("/bare_service")
+    assert row is not None
+    assert row.nodes == ()
+    graph.publishes["n77"].append("/new")
+    graph.serves["n78"].append("/do")
     graph.publishes["n1"].remove("/n1/t0")
+    looks.look()
+    assert (looks.nodes("/new"), looks.nodes("/do")) == (("/n77",), ("/n78",))
     for _ in range(PERIOD):
         looks.look()
     assert looks.nodes("/n1/t0") == ("/n0",)
-
-
-def test_a_new_name_is_seen_with_its_node_at_the_next_look() -> None:
-    graph = Graph(200)
-    looks = Looks(graph)
-    looks.look()
-    graph.publishes["n77"].append("/new")
-    graph.serves["n78"].append("/do")
-    looks.look()
-    assert looks.nodes("/new") == ("/n77",)
-    assert looks.nodes("/do") == ("/n78",)
-
-
-def test_what_a_node_that_left_had_is_nobodys() -> None:
-    graph = Graph(200)
-    graph.subscribes["n0"].append("/n1/t0")
-    looks = Looks(graph)
-    looks.look()
-    graph.nodes.remove("n1")
+    graph.nodes.remove("n0")
     looks.look()
     assert looks.nodes("/n1/t0") == ()
-    assert looks.row("/n1/s") is None
+    assert looks.row("/n0/s") is None
 
 
 def test_a_node_not_known_yet_is_asked_again() -> None:
@@ -507,17 +421,6 @@ def test_a_node_not_known_yet_is_asked_again() -> None:
     graph.nodes.append(late)
     looks.resources.poll(pairs, {"/late": (TRIGGER,)}, {}, lambda: True)
     assert looks.nodes("/late") == ("/late",)
-
-
-def test_what_no_node_is_known_for_is_there_all_the_same() -> None:
-    graph = Graph(200)
-    graph.nameless = {"/bare", "/bare_service"}
-    looks = Looks(graph)
-    looks.look()
-    assert looks.nodes("/bare") == ("/_NODE_NAME_UNKNOWN_",)
-    row = looks.row("/bare_service")
-    assert row is not None
-    assert row.nodes == ()
 
 
 def graph_of_other_types() -> tuple[Graph, list[bool]]:

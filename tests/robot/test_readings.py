@@ -14,14 +14,14 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32, String
 
-from archo_tui.recordings.replay.state import RecordedTopics
 from archo_tui.robot.messages import types
 from archo_tui.robot.node import ConsoleNode
+from archo_tui.robot.state.frames import MOST_FRAMES, Frame, Transforms, faults, with_transforms
 from archo_tui.robot.state.readings import DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot.telemetry import ClockOffsets, Diagnostics, Telemetry
-from archo_tui.robot_file.load import load
+from archo_tui.robot.telemetry import ClockOffsets, Diagnostics
 from archo_tui.screen.widgets.bars import header
+from archo_tui.text.graph import NONE, transform_lines
 from archo_tui.text.state import age_text, battery_line, battery_word, motion_word
 from tests.support import chosen, clock
 from tests.support.alarms import alarms_of, conditions
@@ -29,11 +29,10 @@ from tests.support.clock import NOW
 from tests.support.console import console
 from tests.support.night import corners
 from tests.support.plain import operated
-from tests.support.quiet import Quiet, ended, until, while_passes
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
-from tests.support.stand_in import Made
+from tests.support.stand_in import Made, StandIn
 from tests.support.states import NORMAL, plain_text
-from tests.support.stub import StandingClock
 
 
 def publisher(
@@ -150,36 +149,27 @@ async def test_an_unknown_word_of_health_is_shown_and_hides_no_low_battery() -> 
         assert battery_word(it.snapshot)[1] == "LOW"
 
 
-def with_parameter(node: str, parameter: str, value: str) -> Callable[..., Node]:
-    """A node with a parameter of one of ARCHO's names, which holds a word."""
+async def test_a_parameter_that_is_no_number_is_not_used_and_the_robot_alone_decides() -> None:
+    def stating(name: str, **words: str) -> Callable[..., Node]:
+        """A node with parameters of ARCHO's names, which hold words."""
 
-    def make(**options: Any) -> Node:
-        made = Node(node, **options)
-        made.declare_parameter(parameter, value, ignore_override=True)
-        return made
+        def make(**options: Any) -> Node:
+            made = StandIn(name, goals="arrive" if "motor" in name else "", **options)
+            for parameter, value in words.items():
+                made.declare_parameter(parameter, value, ignore_override=True)
+            return made
 
-    return make
+        return make
 
-
-async def test_a_parameter_that_is_no_number_ends_nothing_and_is_not_used() -> None:
-    battery_monitor = with_parameter("battery_monitor", "low_battery_threshold", "twenty")
-    motor = with_parameter("motor_controller", "route_length", "far")
+    battery_monitor = stating("battery_monitor", low_battery_threshold="twenty")
+    motor = stating("motor_controller", route_length="far", shelf_count="many")
     async with console(node_makers=[battery_monitor, motor], wait=False) as op:
         await op.until("twenty")
         await op.until("far")
         assert op.app.view.snapshot.low_charge == 20.0
         await op.until("low 20")
-
-
-@pytest.mark.waits
-async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
-    slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
-    async with robot(slow) as it:
-        for _ in range(2 if clock.current is None else 4):  # real time costs as much
-            heard = it.snapshot.battery.received
-            again = lambda heard=heard: it.snapshot.battery.received != heard  # noqa: E731
-            await Quiet().until(again, lambda: "the next message", deadline=90.0)
-            assert conditions(it.snapshot, clock.seconds() + 29.0) == {}
+        await op.press("g", *"4711", "enter")
+        await op.until("ARRIVED")
 
 
 @pytest.mark.waits
@@ -247,7 +237,7 @@ def file(here: Path) -> Path:
     return made
 
 
-async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
+async def test_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
     talker = Made(publisher(Float32, "level", Float32(data=80.0), period=0.1))
     async with robot(talker, robot=file) as it:
         await until(lambda: it.snapshot.battery.percentage == 80.0)
@@ -257,23 +247,6 @@ async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Pa
         assert rate is not None
         assert 8.0 < rate < 13.0
         assert talker.node.count_subscribers("level") == 1
-
-
-def test_in_a_replay_both_are_read(file: Path) -> None:
-    topics = RecordedTopics({"/level": "std_msgs/msg/Float32"}, "/")
-    heard: list[str] = []
-    telemetry = Telemetry(
-        topics,  # type: ignore[arg-type]
-        load(file),
-        StandingClock(),
-        lambda topic, _: heard.append(topic),
-        lambda _: None,
-    )
-    telemetry.resubscribe()
-    topics.callbacks["/level"](Float32(data=80.0))
-    assert telemetry.battery.percentage == 80.0
-    assert telemetry.gauges[0].value == 80.0
-    assert heard == ["level"]
 
 
 async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
@@ -325,17 +298,12 @@ def found(table: Diagnostics) -> list[tuple[str, str, str]]:
     return [(status.part, status.level.value, status.message) for status in table.all]
 
 
-def test_a_level_is_a_byte_or_a_number() -> None:
+def test_a_level_is_a_byte_or_a_number_and_an_unknown_one_an_error() -> None:
     table = Diagnostics()
-    table.add(array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", "")), 0.0)
-    assert [status.level.value for status in table.all] == ["ERROR", "WARN", "OK"]
+    levels = array(("a", b"\x02", "hot"), ("b", 1, ""), ("c", b"\x00", ""), ("d", b"\x09", ""))
+    table.add(levels, 0.0)
+    assert [status.level.value for status in table.all] == ["ERROR", "WARN", "OK", "ERROR"]
     assert table.all[0].message == "hot"
-
-
-def test_a_level_that_nobody_knows_is_an_error() -> None:
-    table = Diagnostics()
-    table.add(array(("a", b"\x09", "")), 0.0)
-    assert table.all[0].level is DiagnosticLevel.ERROR
 
 
 def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:
@@ -351,13 +319,6 @@ def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:
     assert slow.level_at(28.1) is DiagnosticLevel.STALE
 
 
-def test_names_without_end_do_not_fill_the_memory() -> None:
-    table = Diagnostics()
-    for number in range(1010):
-        table.add(array((f"part {number}", 0, "")), 0.0)
-    assert len(table.all) == 1000
-
-
 def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     table = Diagnostics()
     table.add(array(*((f"part {number}", 0, "") for number in range(1000))), 0.0)
@@ -367,15 +328,6 @@ def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     assert bad == ["late"]
     table.add(array(*((f"bad {number}", 2, "") for number in range(1010))), 2.0)
     assert len(table.all) == 1000
-
-
-def test_parts_of_one_name_differ_by_their_hardware() -> None:
-    table = Diagnostics()
-    both = array(("motor", 2, "burnt"), hardware="left")
-    both.status += array(("motor", 0, "fine"), hardware="right").status
-    table.add(both, 0.0)
-    assert found(table) == [("motor (left)", "ERROR", "burnt"), ("motor (right)", "OK", "fine")]
-    table.add(both, 1.0)
 
 
 def test_the_worst_of_several_statuses_of_a_part_in_one_array_stays() -> None:
@@ -395,15 +347,6 @@ def test_a_status_without_hardware_makes_way_unless_it_is_bad() -> None:
         ("fan (sn 12)", "OK", "turns"),
         ("motor (sn 12)", "OK", "fine"),
     ]
-
-
-def test_a_part_is_forgotten_until_it_reports_again() -> None:
-    table = Diagnostics()
-    table.add(array(("motor", 2, "burnt"), hardware="left"), 0.0)
-    table.forget(("motor", "left"))
-    assert table.all == ()
-    table.add(array(("motor", 2, "burnt"), hardware="left"), 1.0)
-    assert len(table.all) == 1
 
 
 # Clocks that differ: which stamps count, and when the alarm is over.
@@ -473,3 +416,102 @@ async def test_what_left_or_is_simulated_has_no_clock(here: Path, ends: Any) -> 
         await until(lambda: "/odom" in it.snapshot.clock_offsets)
         ends(made.node)
         await until(lambda: "/odom" not in it.snapshot.clock_offsets)
+
+
+# Transforms as a table: what came in, and what is said of the frames.
+
+WALL = 1_000_000.0  # Unix time at the time 0 of the tests.
+
+
+def transform(parent: str, child: str, stamp: float) -> Any:
+    """A TransformStamped without its numbers."""
+    time = SimpleNamespace(sec=int(stamp), nanosec=round(stamp % 1 * 1e9))
+    header = SimpleNamespace(frame_id=parent, stamp=time)
+    return SimpleNamespace(header=header, child_frame_id=child)
+
+
+def heard(*came: tuple[float, str, str, float | None], simulated: bool = False) -> Transforms:
+    """What came: when, parent, child and how old its stamp was; None for a static one."""
+    frames: dict[str, Frame] = {}
+    for now, parent, child, old in came:
+        message = [transform(parent, child, WALL + now - (old or 0.0))]
+        wall_time = None if simulated else WALL + now
+        frames = with_transforms(frames, message, now, wall_time, is_static=old is None)
+    return Transforms(frames, ("odometry",), ("state_publisher",))
+
+
+ODOM = [(t / 10, "odom", "base_link", 0.1) for t in range(11)]  # At 10 Hz, the last at 1.0 s.
+LASER = (0.0, "base_link", "laser", None)
+
+
+def test_each_frame_tells_parent_rate_age_and_who_publishes_it() -> None:
+    found = heard(*ODOM, LASER)
+    assert transform_lines(found, 1.2) == [
+        "base_link in odom: 10.0 Hz, 0.3 s old, from odometry",
+        "laser in base_link: static, from state_publisher",
+    ]
+    several = found._replace(publishers=("amcl", "odometry"), static_publishers=())
+    assert transform_lines(several, 1.2) == [
+        "base_link in odom: 10.0 Hz, 0.3 s old, from one of amcl, odometry",
+        "laser in base_link: static, its publisher has left",
+    ]
+
+
+def test_a_frame_falls_silent_unless_it_is_static() -> None:
+    lines = transform_lines(heard(*ODOM, LASER), 61.0)
+    assert lines == [
+        "base_link in odom: SILENT for 60 s, from odometry",
+        "laser in base_link: static, from state_publisher",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("came", "now", "said"),
+    [
+        ([*ODOM, LASER], 1.0, []),
+        (
+            [*ODOM, (1.0, "map", "base_link", 0.0)],
+            1.0,
+            ["base_link has 2 parents, map and odom: a frame has one"],
+        ),
+        ([*ODOM, (10.9, "map", "base_link", 0.0)], 12.0, []),  # Odometry has stopped by then.
+        (
+            [LASER, (20.0, "tower", "laser", 0.0)],
+            20.0,
+            ["laser has 2 parents, base_link and tower: a frame has one"],
+        ),
+        (
+            [*ODOM, (1.0, "map", "dock", None)],
+            1.0,
+            ["the tree is in 2 parts, no transform joins them: base_link, odom; dock, map"],
+        ),
+        (
+            [(0.0, "map", name, None) for name in "abcd"] + [(0.0, "e", "f", None)],
+            0.0,
+            ["the tree is in 2 parts, no transform joins them: a, b, c and 2 more; e, f"],
+        ),
+        (
+            [(0.0, "odom", "base_link", -3.0)],
+            0.0,
+            ["the stamp of base_link is 3.0 s in the future: compare the clocks"],
+        ),
+        ([(0.0, "odom", "base_link", -0.2)], 0.0, []),
+    ],
+)
+def test_what_is_wrong_is_said_in_words(came: Any, now: float, said: list[str]) -> None:
+    assert list(faults(heard(*came), now)) == said
+    assert transform_lines(heard(*came), now)[: len(said)] == [f"▲ {text}" for text in said]
+
+
+def test_a_stamp_in_simulated_time_tells_no_age() -> None:
+    found = heard((5.0, "odom", "base_link", WALL), simulated=True)
+    assert found.frames["base_link"].age(5.5) == pytest.approx(0.5)
+    assert list(faults(found, 5.5)) == []
+
+
+def test_no_transforms_are_said_to_be_none_and_endless_ones_are_bounded() -> None:
+    assert transform_lines(Transforms(), 0.0) == [NONE]
+    waiting = Transforms(publishers=("odometry",))
+    assert transform_lines(waiting, 0.0) == ["no transform came so far from odometry"]
+    many = [transform("map", f"frame{n}", WALL) for n in range(MOST_FRAMES + 5)]
+    assert len(with_transforms({}, many, 0.0, WALL, is_static=False)) == MOST_FRAMES

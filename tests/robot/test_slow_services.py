@@ -61,21 +61,9 @@ def file(here: Path) -> Path:
     return made
 
 
-async def test_an_answer_after_five_seconds_is_the_outcome_of_a_call(file: Path) -> None:
-    mapper = Made(Mapper)
-    async with robot(mapper, robot=file) as it:
-        await until(lambda: "/save_map" in it.snapshot.services)
-        call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
-        await until(lambda: mapper.node.asked == 1)
-        await while_passes(5.0)
-        assert not call.done()
-        mapper.node.wake()
-        outcome = await ended(call)
-        assert outcome == (Code.DONE, "success true, message map.pgm")
-        assert answer_of(outcome).message == "map.pgm"
-
-
-async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
+async def test_an_answer_after_five_seconds_is_the_outcome_and_a_stop_waits_for_none(
+    file: Path,
+) -> None:
     mapper = Made(Mapper)
     async with robot(mapper, robot=file, offers="e_stop save_map") as it:
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
@@ -83,9 +71,12 @@ async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
         it.stops.register()
         assert (await ended(it.emergency_stop())).ok
         assert mapper.node.stopped
+        await while_passes(5.0)
         assert not call.done()
         mapper.node.wake()
-        assert (await ended(call)).ok
+        outcome = await ended(call)
+        assert outcome == (Code.DONE, "success true, message map.pgm")
+        assert answer_of(outcome).message == "map.pgm"
 
 
 @pytest.mark.parametrize("how", ["by its name", "by its key"])
@@ -153,12 +144,3 @@ async def test_a_slow_call_that_fails_behind_other_lines_counts_at_the_end(bare:
         await person.until("mapper up")
         assert await person.end("") == 1
     assert "failed: call: no answer in 30 s: the robot may still do it" in person.said
-
-
-async def test_what_is_answered_in_time_is_not_said_to_run(bare: Path) -> None:
-    mapper = Made(Mapper)
-    async with operated(mapper, robot=bare) as person:
-        mapper.node.wake()
-        assert await person.end("call save_map\n") == 0
-    assert "call save_map: success true" in person.said
-    assert "running" not in person.said

@@ -10,29 +10,28 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
 from rclpy.node import Node
-from std_srvs.srv import Empty, SetBool
+from std_srvs.srv import Empty, SetBool, Trigger
 
 from archo_tui.robot import node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
-from archo_tui.robot.state.snapshot import Latch, OpenStop, StopAnswer
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.robot_file.load import default_path
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import motion_word
 from tests.support import chosen, clock
-from tests.support.alarms import alarms_of, conditions
+from tests.support.alarms import alarms_of
 from tests.support.archo import SHELF, go
 from tests.support.by_hand import ByHand
-from tests.support.clock import NOW
+from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
-from tests.support.robot import robot, texts
+from tests.support.robot import making, robot, texts
 from tests.support.ros import begin
 from tests.support.stand_in import Made, Other, StandIn, beside
-from tests.support.states import STATES, plain_text
+from tests.support.states import plain_text
 
 Brake = partial(Made, StandIn)
 Driver = partial(Made, StandIn, "driver", goals="drive", moving=False)
@@ -118,21 +117,6 @@ async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> N
         assert len(a.node.stops) == asked
 
 
-async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
-    dazed = Made(StandIn, "dazed", "nothing", latches=True, moving=False)
-    async with robot(dazed) as it:
-        await until(lambda: it.snapshot.motion.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        await while_passes(3.0)
-        dazed.node.stopped = True
-        await until(lambda: it.snapshot.motion.stopped)
-        dazed.node.wake()  # what was sent before is answered, too
-        await while_passes(6.0)
-        assert not any("another client" in text for text in texts(it))
-        told = [text for text in texts(it) if text.startswith(("STOP, ", "STOP: the robot says"))]
-        assert told == ["STOP: the robot says that it is stopped"]
-
-
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
     host = Made(Node, "somebody")
     async with robot(host) as it:
@@ -159,28 +143,17 @@ async def test_a_stop_that_nobody_serves_says_what_is_missing_and_is_not_forgott
         assert it.snapshot.open_stop is None
 
 
-async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it() -> None:
-    late = Brake("late")
-    async with robot(late) as it:
-        await until(lambda: it.snapshot.battery.received is not None)
-        assert not (await ended(it.emergency_stop())).ok
-        late.node.says = "yes"
-        begin(late.node, late.node.offer_stop)
-        await until(lambda: "STOP, sent now: confirmed: late yes" in texts(it))
-        assert len(late.node.stops) == 1
-        assert it.snapshot.open_stop is None
-        assert "stop not confirmed" not in alarms_of(it)
-
-
-async def test_an_open_stop_finds_its_server_before_the_graph_is_polled_again() -> None:
+async def test_an_open_stop_is_sent_once_it_is_served_before_another_poll() -> None:
     host = Made(Node, "somebody")
     async with robot(host) as it:
         assert (await ended(it.emergency_stop())).code == Code.NOT_OFFERED
         it._poller._next = math.inf  # As on a graph of many names, which rests long.
         await until(lambda: host.node.executor is not None)
-        beside(host.node, StandIn("busy", "yes", context=host.node.context))
-        await until(lambda: it.snapshot.open_stop is None)
-        assert it.snapshot.latch is Latch.HELD
+        late = beside(host.node, StandIn("late", "yes", context=host.node.context))
+        await until(lambda: "STOP, sent now: confirmed: late yes" in texts(it))
+        assert len(late.stops) == 1
+        assert (it.snapshot.open_stop, it.snapshot.latch) == (None, Latch.HELD)
+        assert "stop not confirmed" not in alarms_of(it)
 
 
 @pytest.mark.parametrize("kind", [SetBool, Empty])
@@ -267,38 +240,6 @@ async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> Non
         await while_passes(3.0)
         assert driver.node.cancels == []
         assert it.snapshot.still_running_after_stop == ("another client's goal",)
-
-
-async def test_a_stop_does_not_cancel_a_goal_that_the_robot_ends_by_itself() -> None:
-    class Aborts(StandIn):
-        async def _drive(self, goal: Any) -> MoveToShelf.Result:
-            while not self.stops:
-                await self.sleep(0.05)
-            goal.abort()
-            return MoveToShelf.Result(final_message="stopped")
-
-    driver = Made(Aborts, "driver", "yes", goals="drive", moving=False)
-    async with robot(driver, offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).ok
-        assert (await ended(it.emergency_stop())).ok
-        await until(lambda: [goal.phase for goal in it.snapshot.history] == [Phase.ABORTED])
-        await while_passes(3.0)
-        assert driver.node.cancels == []
-
-
-async def test_the_cancel_of_a_stop_changes_no_phase() -> None:
-    driver, seen = Driver("no", heeds=False), set[Phase]()
-    async with robot(driver, offers="move_to_shelf") as it:
-        assert (await ended(go(it, 3))).ok
-        assert not (await ended(it.emergency_stop())).ok
-
-        def is_asked_again() -> bool:
-            assert it.snapshot.goal is not None
-            seen.add(it.snapshot.goal.phase)
-            return len(driver.node.cancels) >= 3
-
-        await until(is_asked_again)
-        assert seen == {Phase.MOVING}
 
 
 async def test_an_action_whose_cancel_moves_the_robot_is_exempt(tmp_path: Path) -> None:
@@ -391,14 +332,6 @@ async def test_a_robot_that_moves_on_behind_a_confirmed_stop_is_an_alarm() -> No
         await until(lambda: word(it) == "● IDLE")
 
 
-def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:
-    moving = STATES["motor moving"]
-    for sent, is_alarm in ((NOW - 3, True), (NOW, False)):
-        state = moving._replace(open_stop=OpenStop(sent, StopAnswer.NONE))
-        assert ("moves after stop" in conditions(state, NOW)) is is_alarm
-    assert "moves after stop" not in conditions(moving, NOW)
-
-
 async def test_goals_end_behind_a_stop_that_only_the_motion_confirms() -> None:
     wheels, drive = Wheels("wheels", moving=True), Made(StandIn, "drive", goals="drive")
     makers = Brake("brake", "nothing"), wheels, drive
@@ -428,21 +361,6 @@ async def test_a_late_yes_holds_though_it_was_given_up_but_not_behind_a_release(
         assert it.snapshot.latch is Latch.NONE
         await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
         assert it.snapshot.latch_doubt == "it was answered behind a release"
-
-
-async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm() -> None:
-    wheels = Wheels("wheels", moving=True)
-    async with robot(Brake("brake", "yes"), wheels) as it:
-        await until(lambda: it.snapshot.motion.moving)
-        wheels.node.stopped, wheels.node.moving = True, False
-        await while_passes(2.0)
-        assert "moves after stop" not in alarms_of(it)
-        assert word(it) == "✗ STOPPED"
-        wheels.node.moving = True
-        await until(lambda: "moves after stop" in alarms_of(it))
-        await until(lambda: word(it) == "✗ STILL MOVING")
-        wheels.node.stopped = False  # released
-        await until(lambda: "moves after stop" not in alarms_of(it))
 
 
 async def test_of_two_nodes_that_tell_of_the_motion_none_confirms_a_stop() -> None:
@@ -561,3 +479,110 @@ async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> N
         assert queued == (Code.HELD, NOT_SENT)  # it waits for the operator's word
         assert slow.node.goal_ids == []
         assert it.snapshot.goal is None
+
+
+# A STOP whose service takes a request, as the Create 3's: with another one it releases.
+
+FILE = """
+version: 1
+name: Base
+stop: {service: e_stop, request: {data: true}, release: e_stop, release_request: {data: false}}
+"""
+
+
+class Base(Node):
+    """Stops when it is sent true, and goes on when it is sent false."""
+
+    KIND: Any = SetBool
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("base", **options)
+        self.asked: list[bool] = []
+        self.create_service(self.KIND, "e_stop", self.e_stop)
+
+    def e_stop(self, request: Any, response: Any) -> Any:
+        self.asked.append(request.data)
+        response.success, response.message = True, "stopped" if request.data else "released"
+        return response
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "base.yaml"
+    made.write_text(FILE)
+    return made
+
+
+async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
+    base = Made(Base)
+    async with robot(base, robot=file, offers="e_stop") as it:
+        it.stops.register()
+        outcome = await ended(it.emergency_stop())
+        assert outcome.ok
+        assert base.node.asked == [True]
+        assert it.snapshot.open_stop is None
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        assert (await ended(it.release_emergency_stop())).ok
+        assert base.node.asked == [True, False]
+        assert it.snapshot.latch is Latch.NONE
+        commands = [event.command for event in it.snapshot.events if event.command]
+        call = "ros2 service call /e_stop std_srvs/srv/SetBool"
+        assert commands == [f"{call} '{{data: true}}'", f"{call} '{{data: false}}'"]
+
+
+async def test_the_line_of_a_call_is_the_stop_or_asks_as_the_release_does(file: Path) -> None:
+    base = Made(Base)
+    async with operated(base, robot=file) as person:
+        person.type("call e_stop data=true\n")
+        await person.until("STOP: confirmed")
+        person.type("call e_stop\n")
+        await person.until("/e_stop needs data=true (stop) or data=false (release)")
+        person.type("call e_stop data=false\n")
+        await person.until("failed: call: Release the stop?")
+        assert base.node.asked == [True]
+        person.type("call e_stop data=false --yes\n")
+        await person.until("release stop: released")
+        assert base.node.asked == [True, False]
+        await person.end("")
+
+
+class Bare(Base):
+    """Has the service, and its request no field."""
+
+    KIND = Trigger
+
+
+@pytest.mark.parametrize(
+    ("file_text", "kind", "said"),
+    [
+        (FILE, Bare, "/e_stop is std_srvs/srv/Trigger, whose request differs: not called"),
+        ("stop: e_stop\n", Base, "/e_stop is std_srvs/srv/SetBool, whose request differs"),
+        ("stop: {service: e_stop, request: {on: true}}\n", Base, "whose request differs"),
+        ("stop: {service: e_stop, request: {data: 1}}\n", Base, "whose data is boolean"),
+    ],
+)
+async def test_a_request_that_does_not_fit_is_said_and_not_sent(
+    here: Path, file_text: str, kind: Any, said: str
+) -> None:
+    file = here / "robot.yaml"
+    file.write_text(file_text)
+    base = Made(kind)
+    async with robot(base, robot=file) as it:
+        await until(lambda: said in it.snapshot.faults.get("e_stop", ""))
+        it.stops.register()
+        outcome = await ended(it.emergency_stop())
+        assert outcome.code is Code.REFUSED
+        assert said in outcome.text
+        assert outcome.text.endswith("use the hardware stop")
+        assert not base.node.asked
+
+
+async def test_a_node_that_starts_behind_a_stop_is_sent_its_request_first(file: Path) -> None:
+    made: list[Base] = []
+    async with operated(making(made, Base), robot=file) as person:
+        person.type("stop\n")
+        await person.until("STOP: confirmed")
+        person.type("halt base\nstart base\n")
+        await person.until("base was told STOP first, and is stopped")
+        assert [node.asked for node in made] == [[True], [True]]
+        await person.end("")

@@ -134,25 +134,12 @@ def test_a_stop_that_cannot_say_yes_is_sent_again_only_while_something_moves() -
     assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(moves=False))
 
 
-def test_a_repeat_cancels_nothing_anew_and_a_press_does() -> None:
-    stop, _ = called().tick(2.0, ALL)
-    assert StopEffect.CANCEL_ALL not in todo(repeated(stop, 8, 3.0), 5.0)
-    assert StopEffect.CANCEL_ALL in todo(pressed(8, 3.0, stop), 5.0)
-
-
 def test_a_call_that_the_machine_opens_itself_is_as_good_as_a_press() -> None:
     done, _ = called().tick(2.0, ALL)
     opened = repeated(done.given_up(), 8, 3.0)
     assert opened.open is not None
     assert StopEffect.CANCEL_ALL in todo(opened.leaving(9, MOTOR), 5.0)
     assert opened.must_follow(7)  # It is not given up, as the one before was.
-
-
-def test_the_goals_of_others_are_cancelled_by_their_ids_once_all_were() -> None:
-    stop, first = called().tick(2.0, ALL)
-    assert (StopEffect.CANCEL_ALL, 2) in first
-    assert (StopEffect.CANCEL_OTHERS, 2) in stop.tick(2.1, ALL)[1]
-    assert StopEffect.CANCEL_OTHERS not in todo(stop.given_up(), 2.1)
 
 
 def test_a_node_that_got_a_later_call_is_not_confirmed_by_an_earlier() -> None:
@@ -200,15 +187,6 @@ def test_a_stop_that_has_reached_nobody_has_never_left() -> None:
     assert not unsent.has_reached_nobody  # The one before holds.
 
 
-def test_an_answer_to_a_stop_that_is_over_is_not_shown() -> None:
-    later = pressed(8, 1.0, called().given_up()).leaving(9, MOTOR)
-    late = answered(later, NO, 2.0)
-    assert (late.open, late.awaited) == (later.open, later.awaited - 1)
-    assert answered(called().given_up(), NO, 2.0).open is None
-    both = repeated(called(), 5, 1.0).leaving(6, MOTOR | FAR).given_up()
-    assert answered(both, now=9.0, servers=MOTOR | FAR).latch is Latch.UNCERTAIN
-
-
 def test_what_ends_a_stop_ends_all_that_followed_it() -> None:
     disobeying = reported(HELD, OBEYED, moving=True)._replace(holders_have_ended=True)
     over = disobeying.goal_accepted(9, 5.0)
@@ -232,13 +210,6 @@ def test_a_call_leaves_while_its_stop_is_wanted() -> None:
 
 
 # What was sent before a STOP, and is answered behind it.
-
-
-def test_a_goal_from_before_a_stop_changes_nothing() -> None:
-    for stop in (called(), HELD):
-        assert stop.goal_accepted(1, 9.0) == stop.goal_accepted(3, 9.0) == stop
-        after = stop.goal_accepted(4, 9.0)
-        assert (after.open, after.latch, after.released) == (None, Latch.NONE, 9.0)
 
 
 def test_a_release_counts_by_its_turn() -> None:
@@ -271,17 +242,6 @@ def test_a_late_yes_to_a_stop_that_is_past_holds() -> None:
         assert answered(stop, now=20.0, turn=turn, is_late=True).latch is latch
 
 
-def test_a_yes_to_a_held_stop_only_says_when_it_is_to_be_obeyed() -> None:
-    again = answered(HELD, now=9.0, turn=5, asked=FAR)
-    assert (again.held, again.holders) == (HELD.held, HELD.holders)
-    assert again.must_be_obeyed(9.0 + OBEYED) == 5
-
-
-def test_a_later_yes_holds_anew_while_a_stop_is_open() -> None:
-    held = answered(pressed(6, 4.0, HELD).leaving(7, FAR), YES, 5.0, turn=6, asked=FAR, servers=FAR)
-    assert (held.held, held.holders) == (5.0, FAR)
-
-
 # Who holds it.
 
 
@@ -293,17 +253,6 @@ def test_a_node_that_carried_it_out_before_it_spun_holds_it_too() -> None:
     # In the name of a later STOP it must be called as any other.
     told = early._replace(open=None).stopped_elsewhere("lab", 9, 5.0, AGAIN, ())
     assert told.served_by(MOTOR, (), 6.0).latch is Latch.UNCERTAIN
-
-
-def test_it_is_held_here_as_long_as_only_nodes_of_this_process_serve_it() -> None:
-    here = ("/motor",)
-    held = answered(called(), here=here)
-    assert held.is_held_here
-    assert not reported(held.served_by(AGAIN, (), 1.0), 9.0, stopped=True).is_held_here
-    again = held._replace(state=State.NONE).stopped_elsewhere("lab", 9, 5.0, MOTOR, ())
-    assert again.is_held_here  # Told once more, of the same nodes.
-    assert not answered(called(), asked=FAR, servers=FAR, here=here).is_held_here
-    assert not Stop().stopped_elsewhere("lab", 9, 5.0, NOBODY, here).is_held_here
 
 
 def test_holding_anew_forgets_what_had_ended_and_was_given_up() -> None:
@@ -322,12 +271,6 @@ def test_only_the_console_that_stopped_it_undoes_its_own_stop() -> None:
     other = PEERS.released_elsewhere("desk", 6, 9.0)
     assert (other.latch, other.doubt) == (Latch.UNCERTAIN, "console desk released it")
     assert other.released_elsewhere("lab", 7, 10.0).latch is Latch.UNCERTAIN
-
-
-def test_another_consoles_stop_of_a_robot_that_is_held_changes_not_who_holds_it() -> None:
-    told = HELD.stopped_elsewhere("lab", 5, 3.0, FAR, ())
-    assert (told.latch, told.holders, told.peer) == (Latch.HELD, MOTOR, "")
-    assert told.must_be_obeyed(3.0 + OBEYED) == 5
 
 
 def test_another_consoles_stop_is_left_to_a_robot_that_reports_it() -> None:
@@ -363,14 +306,6 @@ def test_a_robot_that_moves_for_a_second_behind_a_stop_has_not_obeyed_it() -> No
     asked = answered(called(4.0), now=4.8)  # From when it was asked, not answered.
     assert not reported(asked, 4.9, moving=True).is_not_obeyed
     assert reported(asked, 5.0, moving=True).is_not_obeyed
-
-
-def test_a_robot_that_stands_or_says_or_was_told_that_it_was_released_obeys() -> None:
-    disobeys = reported(HELD, OBEYED, moving=True)
-    assert not reported(disobeys, 2.0, moving=False).is_not_obeyed
-    assert not disobeys.release_accepted(9, 9.0, 10).is_not_obeyed
-    says = reported(HELD, 5.0, moving=True, stopped=True)
-    assert not reported(says, 9.0, moving=True, stopped=False).is_not_obeyed
 
 
 def test_a_robot_that_was_stopped_by_something_else_has_a_second_to_stand() -> None:
@@ -493,21 +428,3 @@ def test_it_is_held_by_nobody_once_all_that_can_hold_it_have_ended_here(
 def test_one_of_an_ended_nodes_namesake_elsewhere_is_held() -> None:
     stop = held_by(held_by(Stop(), RUNS, motor=HERE), ENDED, motor=ELSEWHERE)
     assert not stop.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
-
-
-def test_one_of_a_node_started_anew_here_is_held_by_nobody_at_its_end() -> None:
-    again = serving(motor=NAMESAKE)
-    stop = held_by(Stop(), RUNS, motor=HERE).served_by(again, RUNS, 9.0)
-    stop = stop.carried_out_early("motor").served_by(again, RUNS, 9.0)
-    assert not stop.is_held_by_nobody
-    assert stop.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
-
-
-def test_a_last_report_or_anothers_release_does_not_put_ended_nodes_elsewhere() -> None:
-    stop, says = held_by(Stop(), RUNS, motor=HERE), Motion(stopped=True)
-    ended = stop.served_by(NOBODY, ENDED, 9.0).moved(says, 9.0, NOBODY, ENDED)
-    assert ended.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
-    reporting = stop.moved(says, 9.0, NOBODY, RUNS).served_by(NOBODY, ENDED, 9.0)
-    released = reporting.released_elsewhere("other", 9, 9.0)
-    assert released.latch is Latch.UNCERTAIN
-    assert released.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody

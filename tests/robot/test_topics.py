@@ -3,29 +3,44 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from array import array
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from rcl_interfaces.msg import ParameterEvent
+from archo_interfaces.msg import BatteryStatus
+from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import serialize_message
-from std_msgs.msg import Float32, Float64, String, UInt8MultiArray
+from std_msgs.msg import Byte, Float32, Float32MultiArray, Float64, Header, String, UInt8MultiArray
 
 from archo_tui.base.errors import ArchoError
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import as_text
 from archo_tui.robot.node import ConsoleNode
 from archo_tui.robot.robot import Robot
+from archo_tui.robot.state.graph import in_namespace
 from archo_tui.robot.topics import inspect
+from archo_tui.robot.topics import rows as row_module
 from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
-from archo_tui.robot.topics.rows import TopicRequest, TopicView
+from archo_tui.robot.topics.rows import (
+    SPAN,
+    FieldKind,
+    FieldView,
+    TopicFields,
+    TopicRequest,
+    TopicView,
+)
+from archo_tui.robot_file.load import load
+from archo_tui.robot_file.model import field_units
 from tests.support import chosen
+from tests.support.archo import ARCHO
 from tests.support.quiet import until, while_passes
 from tests.support.robot import robot
 from tests.support.ros import begin
@@ -94,7 +109,7 @@ def has(views: list[TopicView], text: str) -> bool:
     return text in views[-1].fault
 
 
-async def test_a_topic_is_followed_only_while_it_is_open() -> None:
+async def test_a_topic_is_followed_five_times_a_second_while_it_is_open() -> None:
     talker = Made(Talker)
     async with robot(talker) as it:
         async with following(it, "/fast") as views:
@@ -115,15 +130,10 @@ async def test_a_topic_is_followed_only_while_it_is_open() -> None:
             assert last.ends.publishers[0].qos == "BEST_EFFORT, VOLATILE"
             assert not last.fault
             assert talker.node.count_subscribers("/fast") == 1
+            before = len(views)
+            await while_passes(4.0)
+            assert 10 <= len(views) - before <= 22
         await until(lambda: talker.node.count_subscribers("/fast") == 0)
-
-
-async def test_five_views_a_second_are_shown_however_fast_messages_come() -> None:
-    async with robot(Talker) as it, following(it, "/fast") as views:
-        await until(lambda: views[-1].received)
-        before = len(views)
-        await while_passes(4.0)
-        assert 10 <= len(views) - before <= 22
 
 
 async def test_a_message_that_is_kept_is_shown_at_once() -> None:
@@ -337,31 +347,6 @@ def test_two_messages_at_once_are_no_rate() -> None:
     assert rate.hertz_at(44.0) is None
 
 
-async def test_a_caller_that_is_cancelled_leaves_no_subscription() -> None:
-    talker = Made(Talker)
-    async with robot(talker) as it:
-
-        async def look() -> None:
-            async with it.inspect("/fast", Float32):
-                await asyncio.Event().wait()
-
-        looking = asyncio.ensure_future(look())
-        await until(lambda: talker.node.count_subscribers("/fast") == 1)
-        looking.cancel()
-        await until(lambda: talker.node.count_subscribers("/fast") == 0)
-
-
-async def test_a_message_beyond_the_bound_is_counted_and_not_decoded(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(inspect, "MAX_BYTES", 4_000)
-    async with robot(Talker) as it, it.inspect("/kept", UInt8MultiArray) as counted:
-        await until(lambda: counted.count)
-        assert counted.size > 5_000
-        with pytest.raises(ArchoError, match=r"a message of 0\.0 MB, more than 0\.004 MB"):
-            counted.decode(counted.newest[1])
-
-
 async def test_a_secret_parameter_stays_secret() -> None:
     def secretive(**options: Any) -> Node:
         node = Node("secretive", **options)
@@ -396,3 +381,154 @@ async def test_a_publisher_with_another_qos_is_heard_again() -> None:
         await until(lambda: counted.count > before + 2)
         it.resubscribe_if_needed(counted)  # Changes nothing.
         await until(lambda: counted.count > before + 6)
+
+
+# What is kept of its fields: ranges, a minute of values, arrays by shape, and bounds.
+
+
+def rows(message: Any, **open_arrays: int) -> dict[str, FieldView]:
+    """The rows of one message by path."""
+    fields = TopicFields({})
+    fields.add(0.0, message, {})
+    return {row.path: row for row in fields.rows(0.0, TopicRequest(open_arrays))}
+
+
+def watched(*values: float, per_second: float = 1.0) -> FieldView:
+    """The row of a number that had these values, one after the other, with its curve."""
+    fields = TopicFields({})
+    for number, value in enumerate(values):
+        fields.add(number / per_second, Float32(data=value), {})
+    now = (len(values) - 1) / per_second
+    request = TopicRequest(visible=frozenset(["data"]), curve_columns=6, plotted=("data",))
+    return fields.rows(now, request)[0]
+
+
+def test_nested_messages_and_times_are_rows_below_their_own() -> None:
+    header = Header(frame_id="map")
+    header.stamp.sec, header.stamp.nanosec = 7, 500_000_000
+    stamp, frame = rows(header).values()
+    assert (stamp.path, stamp.value, stamp.is_time) == ("stamp", 7.5, True)
+    assert (frame.path, frame.value, frame.kind) == ("frame_id", "map", FieldKind.VALUE)
+    found = rows(Log(stamp=header.stamp, level=30))
+    assert (found["level"].value, found["level"].constant) == (30, "WARN")
+    value = rows(Parameter(value=ParameterValue(type=3, double_value=0.25)))
+    assert value["value"].kind is FieldKind.GROUP
+    assert value["value.double_value"].value == 0.25
+
+
+def test_the_range_lasts_since_the_first_message_and_the_values_a_minute() -> None:
+    row = watched(*[float(n) for n in range(100)])
+    assert (row.least, row.greatest) == (0.0, 99.0)
+    assert row.curve == ((40, 49), (50, 59), (60, 69), (70, 79), (80, 89), (90, 99))
+
+
+def test_no_spike_within_a_tenth_of_a_second_is_lost() -> None:
+    values = [0.0] * 3000
+    values[1234] = 9.0
+    row = watched(*values, per_second=100.0)
+    assert row.curve.count((0.0, 9.0)) == 1
+    assert row.greatest == 9.0
+
+
+def test_a_value_holds_until_the_next_one_and_not_for_ever() -> None:
+    fields = TopicFields({})
+    for time in (0.0, 1.2, 2.4, 30.0):
+        fields.add(time, Float32(data=time), {})
+    request = TopicRequest(plotted=("data", "gone"), plot_columns=120)  # Half a second each.
+    plots = fields.plots(30.0, request)
+    assert list(plots) == ["data"]
+    known = [column for column in plots["data"] if column is not None]
+    first = plots["data"].index(known[0])
+    assert None not in plots["data"][first : first + 6]
+    assert plots["data"][first + 10 : -1].count(None) == len(plots["data"]) - first - 11
+    assert fields.plots(31.0 + SPAN * 2, request)["data"] == (None,) * 120
+
+
+def test_nan_and_inf_everywhere_are_values_without_a_range() -> None:
+    row = watched(math.nan, math.inf, -math.inf, math.nan)
+    assert math.isnan(row.value)  # type: ignore[arg-type]
+    assert row.least is None
+    assert row.curve == ()
+    assert watched(math.nan, 2.0, math.inf).greatest == 2.0
+    array = rows(Float32MultiArray(data=[math.nan] * 30))["data"]
+    assert (array.type, array.nan, array.least) == ("float32[30]", 30, None)
+
+
+def test_bytes_and_elements_that_are_shown_have_ranges_without_lost_spikes() -> None:
+    fields, request = TopicFields({}), TopicRequest({"data": 40})
+    for number in range(10):
+        values = [0.0] * 50
+        values[45] = 9.0 if number == 4 else 1.0
+        fields.add(number / 100, Float32MultiArray(data=values), request.open_arrays)
+    found = {row.path: row for row in fields.rows(0.1, request)}
+    assert (found["data[45]"].least, found["data[45]"].greatest) == (1.0, 9.0)
+    fields, request = TopicFields({}), TopicRequest({"new_parameters": 0})
+    for gain in (0.5, 7.0, 1.0):
+        value = ParameterValue(double_value=gain)
+        event = ParameterEvent(new_parameters=[Parameter(value=value)])
+        fields.add(
+            1.0, event, {**request.open_arrays, "new_parameters[3].value.byte_array_value": 0}
+        )
+    found = {row.path: row for row in fields.rows(1.0, request)}
+    assert found["new_parameters[0].value.double_value"].greatest == 7.0
+    byte = TopicFields({})
+    byte.add(1.0, Byte(data=b"\x07"), {})
+    assert byte.rows(1.0, TopicRequest())[0].greatest == 7
+
+
+def test_an_array_is_a_row_until_it_is_opened_twenty_elements_at_a_time() -> None:
+    long = Float32MultiArray(data=[float(n) for n in range(360)])
+    closed = rows(long)["data"]
+    assert (closed.type, closed.least, closed.greatest) == ("float32[360]", 0.0, 359.0)
+    opened = rows(long, data=340)
+    assert [path for path in opened if "[" in path] == [
+        *(f"data[{number}]" for number in range(340, 360)),
+        "data[]",
+    ]
+    assert opened["data[340]"].value == 340.0
+    assert opened["data[]"].kind is FieldKind.MORE
+    assert opened["data[]"].value == 360
+    image = rows(UInt8MultiArray(data=bytes(range(200))))["data"]
+    assert image.first.startswith("00 01 02")
+    event = ParameterEvent(new_parameters=[Parameter(name="gain")])
+    assert rows(event, new_parameters=0)["new_parameters[0].name"].value == "gain"
+
+
+def test_the_fields_beyond_the_bound_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(row_module, "MAX_FIELDS", 3)
+    fields = TopicFields({})
+    fields.add(0.0, BatteryStatus(), {})
+    assert len(fields.rows(0.0, TopicRequest())) == 3
+    assert fields.is_cut
+    fields.add(1.0, Header(), {})  # Of another definition.
+    assert [row.path for row in fields.rows(1.0, TopicRequest())] == ["stamp", "frame_id"]
+    assert not fields.is_cut
+
+
+def test_a_long_text_is_cut() -> None:
+    value = rows(String(data="x" * 5_000))["data"].value
+    assert isinstance(value, str)
+    assert len(value) == 504
+
+
+def test_the_robot_file_names_units_of_fields_that_it_does_not_convert(tmp_path: Path) -> None:
+    fields = TopicFields({"data": "bar"})
+    fields.add(0.0, Float32(data=1.0), {})
+    assert fields.rows(0.0, TopicRequest())[0].unit == "bar"
+
+    def full(name: str) -> str:
+        return in_namespace("/left", name)
+
+    kind = "archo_interfaces/msg/BatteryStatus"
+    assert field_units(ARCHO, full, "/left/battery_level", kind)["percentage"] == "%"
+    assert field_units(ARCHO, full, "/battery_level", kind) == {}
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        "gauges:\n"
+        "- {title: Tank, topic: tank, type: std_msgs/msg/Float32, field: data, unit: l}\n"
+        "- {title: Oil, topic: oil, type: std_msgs/msg/Float32, field: {field: data, scale: 10},"
+        " unit: bar}\n"
+    )
+    file = load(path)
+    assert field_units(file, full, "/left/tank", "std_msgs/msg/Float32") == {"data": "l"}
+    assert field_units(file, full, "/left/oil", "std_msgs/msg/Float32") == {}

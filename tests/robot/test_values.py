@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import random
 import struct
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,23 +18,20 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float32, Int8
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.base.yaml_text import bounded_yaml
-from archo_tui.base.yaml_text.dump import block
 from archo_tui.robot.graph import parameter_values
 from archo_tui.robot.graph.parameter_values import fit
-from archo_tui.robot.messages.typed import default_text, parse_field, range_text, typed_text
-from archo_tui.robot.messages.types import TypedField, load_class
+from archo_tui.robot.messages.typed import default_text, parse_field, range_text
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.messages.values import checked, filled, goal_request, put, text_of
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
-from archo_tui.station.save_load import plan_load
 from tests.support import chosen
 from tests.support.night import corners
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.stand_in import Made
-from tests.support.values import installed, told, value_of, values_of
+from tests.support.values import installed, told, values_of
 
 
 def parameter(kind: str, **options: Any) -> Parameter:
@@ -194,19 +190,6 @@ def test_what_means_nothing_for_a_parameter_is_said_in_one_line(
 
 
 @pytest.mark.pure
-@pytest.mark.parametrize("kind", ["boolean", "int64", "double", "string"])
-def test_the_text_of_a_value_is_read_as_that_value(kind: str) -> None:
-    chance, parse = random.Random(kind), parameter_values.parse
-    for _ in range(200):
-        value = value_of(kind, chance)
-        if kind == "double" and not math.isfinite(value):
-            continue  # which cannot be typed
-        if value != "" and str(value).isprintable():
-            assert parse(parameter(TYPES[kind]), typed_text(value)) == value
-        assert parse(parameter(f"{TYPES[kind]}[]"), typed_text([value, value])) == [value, value]
-
-
-@pytest.mark.pure
 def test_ranges_and_read_only() -> None:
     limited = parameter("double", low=0.05, high=2.0)
     assert parameter_values.range_text(limited) == "0.05 .. 2"
@@ -227,17 +210,6 @@ def test_values_read_as_they_are_written() -> None:
     assert [text_of(v) for v in (True, 1, 0.5, "x", [1.0, False])] == [
         "true", "1", "0.5", "x", "[1.0, false]"
     ]  # fmt: skip
-
-
-def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
-    path = here / "p.yaml"
-    path.write_text("node:\n  ros__parameters:\n    count: 9223372036854775808\n")
-    found = plan_load(path, [Parameter("/node", "count", "integer", 1, 1)])
-    assert found.changes == ()
-    assert found.problems == (
-        # rcl reads what has no room in an int64 as a double
-        "p.yaml:3: node count: needs a value of type integer, not 9.223372036854776e+18 (double)",
-    )
 
 
 DECLARED = {
@@ -292,34 +264,24 @@ LONG = 10**30
 REFUSED = [
     ("int32", 3_000_000_000, "3000000000 is not within -2147483648 .. 2147483647"),
     ("int8", 300, "300 is not within -128 .. 127"),
-    ("int8", -129, "-129 is not within -128 .. 127"),
     ("uint8", -1, "-1 is not within 0 .. 255"),
-    ("uint64", 2**64, "18446744073709551616 is not within 0 .. 18446744073709551615"),
     ("int64", LONG, f"{LONG} is not within -9223372036854775808 .. 9223372036854775807"),
     ("int32", 1.0, "1.0 is not a whole number"),
     ("int32", True, "true is not a whole number"),
     ("int32", "1", '"1" is not a whole number'),
-    ("int32", None, "null is not a whole number"),
-    ("octet", 256, "256 is not within 0 .. 255"),
     ("octet", b"ab", '!!binary "YWI=" is not a whole number'),
     ("boolean", 1, "1 is not true or false"),
-    ("boolean", "yes", '"yes" is not true or false'),
     ("float", 1e39, "1.0e+39 is not within -3.402823466e+38 .. 3.402823466e+38"),
     ("float", "fast", "fast is not a number"),
-    ("double", True, "true is not a number"),
     ("double", 10**400, "is too large for a number"),
     ("double", {"x": 0.0}, "{x: 0.0} is not a number"),
-    ("double", None, "null is not a number"),
     ("string", 12, "12 is not a text"),
     ("string", "a\0b", '"a\\0b" contains a null character'),
     ("string", "\ud800", '"\\uD800" contains half of a surrogate pair'),
-    ("wstring", "\udfff", '"\\uDFFF" contains half of a surrogate pair'),
     ("string<8>", "123456789012", '"123456789012" has 12 characters, at most 8'),
-    ("wstring<2>", "日本語", '"日本語" has 3 characters, at most 2'),
     ("wstring", "\ufeffa", "begins with a byte order mark, which ROS removes"),
     ("sequence<wstring<4>>", ["\ufffea"], "begins with a byte order mark"),
     ("uint8[4]", [1], "[1] has 1 elements, not 4"),
-    ("uint8[2]", [1, 2, 3], "[1, 2, 3] has 3 elements, not 2"),
     ("uint8[2]", b"ab", '!!binary "YWI=" is not a list'),
     ("sequence<int16, 2>", [1, 2, 3], "[1, 2, 3] has 3 elements, at most 2"),
     ("sequence<int16>", "12", '"12" is not a list'),
@@ -401,39 +363,6 @@ def test_random_values_of_every_type_travel_unaltered(name: str) -> None:
         message = filled(message_class(), values)
         received = deserialize_message(serialize_message(message), message_class)
         assert told(received) == told(values)
-
-
-class Heard(Node):
-    """Keeps what it is asked for."""
-
-    def __init__(self, srv_type: Any, **options: Any) -> None:
-        super().__init__("heard", **options)
-        self.requests: list[Any] = []
-        self.create_service(srv_type, "ask", self.answer)
-
-    def answer(self, request: Any, response: Any) -> Any:
-        self.requests.append(request)
-        return response
-
-
-@pytest.mark.parametrize("name", ["SetParameters", "DescribeParameters", "GetParameterTypes"])
-async def test_a_server_receives_the_values_that_were_typed_and_none_that_do_not_fit(
-    name: str,
-) -> None:
-    kind, chance = f"rcl_interfaces/srv/{name}", random.Random(name)
-    made = Made(Heard, load_class(kind))
-    async with robot(made) as it:
-        if name == "SetParameters":
-            wrong = {"parameters": [{"name": "x", "value": {"type": 300}}]}
-            outcome = await ended(it.call("ask", kind, wrong))
-            said = "parameters[0].value.type: 300 is not within 0 .. 255"
-            assert outcome == (Code.MISUSE, said)
-            assert made.node.requests == []
-        for _ in range(20):
-            values = values_of(load_class(kind).Request, chance)
-            typed = bounded_yaml.load(block(values))
-            assert (await ended(it.call("ask", kind, typed))).text != ""
-            assert told(made.node.requests[-1]) == told(values)
 
 
 # A goal of the robot file: what it fixes and converts is checked as what is typed is.

@@ -8,16 +8,59 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.robot.outcome import Code, data_of
-from archo_tui.robot.state.graph import NodeInfo
-from tests.robots.managed import Navigator
 from tests.support.console import Console, console_with
 from tests.support.plain import plain
 from tests.support.ros import begin
+from tests.support.stand_in import Drive
+
+
+class Navigator(LifecycleNode):
+    """It takes goals while it is active; `may_activate` is what it answers to activate."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("navigator", **options)
+        self.is_active, self.may_activate = False, True
+        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
+        self.drive = Drive(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            "distance_remaining",
+            way=12.0,
+            step=0.0,
+            accepts=lambda _: self.is_active,
+            result=lambda how: {"success": how == "succeed"},
+        )
+
+    def hang(self) -> None:
+        """Answer no question about the state any more."""
+        for service in list(self.services):
+            if service.srv_name.endswith(("get_state", "get_available_transitions")):
+                service.callback = self._never
+
+    async def _never(self, _: Any, response: Any) -> Any:
+        await Future(executor=self.executor)
+        return response
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        if not self.may_activate:
+            return TransitionCallbackReturn.FAILURE
+        self.is_active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self.is_active = False
+        return super().on_deactivate(state)
+
 
 FILE = Path(__file__).with_name("managed.yaml")
 
@@ -123,29 +166,3 @@ async def test_in_words_it_is_shown_and_asked_and_no_call_goes_round_the_questio
         await op.press("C", *"change_state", "enter")
         await op.until("/navigator: type lifecycle /navigator")
         await op.until("navigator unconfigured")
-
-
-async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    async with managed() as (op, _):
-        robot, go_on, asked = op.session.station.robot, asyncio.Event(), []
-        answers = iter([("configure",), ("cleanup", "activate"), ("deactivate", "shutdown")])
-
-        async def describe(node: str) -> NodeInfo:
-            transitions = next(answers)
-            asked.append(node)
-            if len(asked) > 1:
-                await go_on.wait()
-            return NodeInfo(transitions=transitions)
-
-        monkeypatch.setattr(robot, "describe", describe)
-        await op.press("5", "enter")
-        await op.until("Configure")
-        await change(op, "configure")
-        await op.until(lambda: len(asked) == 2)
-        await change(op, "activate")
-        await op.until(lambda: len(asked) == 3)
-        go_on.set()
-        await op.until("Deactivate")
-        assert "Cleanup" not in op.text

@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import math
+import random
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import yaml
 
 from archo_tui.base.errors import ArchoError
 from archo_tui.console.plain import help_text
@@ -18,7 +21,6 @@ from archo_tui.robot_file.load import default_path, dump, load
 from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile
 from archo_tui.screen.commands import registry
 from archo_tui.verbs import verbs
-from tests.robots.mutated import mutated
 
 pytestmark = pytest.mark.pure
 
@@ -52,7 +54,6 @@ def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
     [
         ("", 1, "the file is empty: it describes no robot"),
         ("name: x\nbatery: none\n", 2, "unknown key batery (nearest: battery)"),
-        ("name: x\nxyz: 1\n", 2, "unknown key xyz: one of version, name, battery, motion"),
         ("version: 2\n", 1, "2 is not one of 1"),
         ("- a\n", 1, "expected lines like 'name: value'"),
         ("name: [a]\n", 1, "name: expected a text"),
@@ -63,12 +64,9 @@ def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
         ("battery:\n  topic: a\n  period: .nan\n  types: {}\n", 3, "expected a number, not .nan"),
         ("battery:\n  topic: a\n  types:\n    b/c: {percentage: p}\n", 4, "'b/c' is not a type"),
         ("battery:\n  topic: a\n  types:\n    a/msg/B:\n      voltage: v\n", 5, "percentage is missing"),
-        ("battery:\n  topic: a\n  period: 1e999\n  types: {}\n", 3, "too large for a number: 1e999"),
         (f"battery:\n  topic: a\n  period: {'9' * 5000}\n  types: {{}}\n", 3, "a number of 5000 digits"),
         ("battery:\n  topic: a\n  period: !!int x\n  types: {}\n", 3, "not of the kind !!int: x"),
-        (ONE_GOAL + "    fixed: {a: 1, a: 2}\n", 6, "a is given twice"),
         (ONE_GOAL + "    fixed:\n      a:\n        b: 1\n        b: 2\n", 9, "b is given twice"),
-        (ONE_GOAL + "    fixed: {a: !!timestamp x}\n", 6, "!!timestamp is not read here"),
         (
             "battery:\n  topic: a\n  types:\n    a/msg/B:\n      percentage: {field: p, scael: 100}\n",
             5,
@@ -87,7 +85,6 @@ def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
             3,
             "duplicate id a",
         ),
-        ("commands:\n  - {id: a, title: t, service: s, ask: nver}\n", 2, "(nearest: never)"),
         ("commands:\n  - {id: a, title: t, service: s, toggle: {on: moon}}\n", 2, "not moon"),
         ("stop: {service: s, relese: r}\n", 1, "unknown key relese (nearest: release)"),
         ("a: b: c\n", 1, "not YAML"),
@@ -117,21 +114,15 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
     [
         (GOAL, "form: {x: {low: 5, high: 1}}", 4, "low 5 is above high 1: swap them"),
         (GOAL, "form: {x: {high: {node: n, paramter: p}}}", 4, "unknown key paramter (nearest: parameter)"),
-        (GOAL, "form: {x: {high: many}}", 4, "high: expected a number, not many"),
         (GOAL, "form: {x: {low: 5, high: {node: n, parameter: p, otherwise: 1}}}", 4, "low 5 is above high 1"),
         (GAUGE, "warn_below: 60, warn_above: 20", 2, "warn_below 60 is above warn_above 20: swap them"),
-        (GAUGE, "title: ' '", 2, "title is given twice"),
         (GAUGE + GAUGE.partition("\n")[2], "unit: m", 3, "duplicate title t"),
         (GOAL, "form: {x: {label: X}, y: {label: X}}", 4, "duplicate label x"),
-        (GOAL, "form: {x: {label: B}, b: {}}", 4, "duplicate label b"),
         (GOAL, "form: {x: {}, x.z: {}}", 4, "x.z is a part of x: give one of them"),
-        (GOAL, "form: {x: {}}, fixed: {x.z: 1}", 4, "x.z is a part of x: give one of them"),
         (GOAL, "form: {x: {}}, fixed: {x: 1}", 4, "x is both in the form and fixed: give one of them"),
         ("goals:\n- {id: a, title: CHANGED, action: a, type: a/action/B}\n", "null", 2, "title: expected a text, not null"),
-        ("name: CHANGED\n", "!!binary eA==", 1, "name: expected a text: !!binary is not read here"),
         ("name: CHANGED\n", '"\\uD800"', 1, "contains half of a surrogate pair"),
         (BATTERY, "scale: !!int x", 3, "scale: expected a number: not of the kind !!int: x"),
-        (BATTERY, f"scale: {'9' * 400}", 3, "scale: expected a number: a number of 400 digits"),
         (BATTERY, "scale: !!python/object:os.system x", 3, "scale: expected a number: !!python/object:os.system is not read here"),
         (BATTERY, 'scale: "\\UFFFFFFFF"', 3, "not YAML: "),
         (BATTERY, 'scale: "\\x1b[2J"', 3, "scale: expected a number, not \N{REPLACEMENT CHARACTER}[2J"),
@@ -139,15 +130,11 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (BATTERY, "equals: 1, beyond: 2", 3, "equals and beyond exclude each other"),
         (BATTERY, "beyond: -1", 3, "beyond is -1: it must not be negative"),
         (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "low is 500: a charge is within 0 .. 100"),
-        (LOW, "101", 3, "low is 101: a charge is within 0 .. 100"),
         (LOW, "none\n  period: 0", 4, "period is 0: a time in s, above 0"),
         (GOAL, "remaining: {field: f, length: {node: n, parameter: p, otherwise: 0}}", 4, "a length is above 0"),
-        (GOAL, "remaining: {field: f, length: 0}", 4, "length is 0: a length is above 0"),
         (MOVING, "[]", 3, "moving is empty"),
-        (MOVING, "[{field: x, beyond: -1}]", 3, "beyond is -1: it must not be negative"),
         (MOVING, "[x, {beyond: 1}]", 3, "field is missing"),
         (STOP, "release: halt", 1, "release is the service that stops, halt: give it a release_request of its own"),
-        (STOP, "release: /halt", 1, "release is the service that stops"),
         (STOP, "release_request: {on: false}", 1, "release_request is for a release: name its service"),
         (STOP, "request: {on: [true]}", 1, "on: expected a single value"),
         (COMMAND, "toggle: {}", 2, "toggle is empty: expected lines like 'name: value'"),
@@ -159,9 +146,6 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (TOGGLE.replace("id: a", "id: b_off"), "id: b", 3, "duplicate word b_off"),
         (TOGGLE, "id: check", 3, "the id check is the console's own: choose another"),
         ("stop: {service: ''}\n", "", 1, "'' is not a name of a topic"),
-        ("stop: {service: ~x}\n", "", 1, "'~x' is not a name of a topic"),
-        ("stop: emergency stop\n", "", 1, "'emergency stop' is not a name of a topic"),
-        ("topics: [scan, scan 2]\n", "", 1, "'scan 2' is not a name of a topic"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_meant_is_refused_with_its_line(
@@ -257,6 +241,61 @@ def test_of_several_readings_one_is_enough_to_move(
     fields = tuple(MessageField(name, beyond=0.1) for name in ("x", "y"))
     assert read(fields, SimpleNamespace(x=values[0], y=values[1])) is moving
     assert read(fields, SimpleNamespace(x=0.0, y=math.nan)) is None
+
+
+# what a value, or a piece of a line, is replaced by
+ODD = (
+    *("none", "~", '"none"', "''", "yes", "word", "a b", "stop", "quit", "é", "'\\xe9'"),
+    *("-1", "0", "1e999", ".nan", "-.inf", "1:30", "0x1F", "010", "9" * 5000, "2020-99-99"),
+    *("[]", "{}", "[a, [b]]", "{a: 1}", "{a: 1, a: 2}", "[[[[", "{{{{", "- a\n  - b"),
+    *("!!int x", '!!int ""', "!!bool q", "!!float z", "!!null x", "!!timestamp bad"),
+    *("!!binary x", "!!set {a}", "!!omap [a: 1]", "!!pairs [a]", "!!map x", "!!seq x"),
+    *("!!python/object:os.system x", "&a [*a]", "{<<: {a: 1}}", "{? [a] : b}", "|", ">"),
+    *("%YAML 9.9", f"%YAML {'9' * 5000}.1", "---", "...", "# x", "\\xff", "\t", "\r"),
+    *('"\\x1b[2J\\n"', '"\\uD800"', '"\\UFFFFFFFF"', "\x1b", "\0", "\x85", "\u2028", "\u202e"),
+)
+
+
+def mutated(files: list[Path], number: int, seed: int) -> Iterator[bytes]:
+    """So many texts made from these files."""
+    chance = random.Random(seed)
+    known = []
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        known.append((text, sorted(_places(yaml.compose(text, Loader=yaml.SafeLoader)))))
+    for _ in range(number):
+        text, places = chance.choice(known)
+        last = len(text)
+        for start, end in reversed(chance.sample(places, chance.choice((0, 1, 1, 1, 2, 3)))):
+            if end <= last:  # not in what was replaced already
+                text, last = text[:start] + chance.choice(ODD) + text[end:], start
+        data = text.encode()
+        yield data if chance.random() < 0.7 else chance.choice((_line, _bytes))(data, chance)
+
+
+def _places(node: Any) -> Iterator[tuple[int, int]]:
+    """Where names and values stand."""
+    yield node.start_mark.index, node.end_mark.index
+    if isinstance(node, yaml.ScalarNode):
+        return
+    for item in node.value:
+        for part in item if isinstance(item, tuple) else (item,):
+            yield from _places(part)
+
+
+def _line(data: bytes, chance: random.Random) -> bytes:
+    """A line less, or twice."""
+    lines = data.split(b"\n")
+    place = chance.randrange(len(lines))
+    lines[place : place + 1] = chance.choice(([], [lines[place]] * 2))
+    return b"\n".join(lines)
+
+
+def _bytes(data: bytes, chance: random.Random) -> bytes:
+    """A few bytes less, or another one."""
+    place = chance.randrange(len(data) + 1)
+    new = chance.choice((b"", bytes([chance.randrange(256)])))
+    return data[:place] + new + data[place + chance.randrange(12) :]
 
 
 def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -> None:

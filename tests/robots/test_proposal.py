@@ -162,14 +162,6 @@ def test_a_number_is_a_battery_only_by_the_name_of_its_topic() -> None:
     assert "#   topic /height: std_msgs/msg/Float32" in text(other)
 
 
-def test_of_two_odometries_one_is_read_and_the_other_is_a_comment() -> None:
-    second = Sighting("topic", "/tb1/odometry/filtered", ODOMETRY.types, ("/tb1/ekf",), rate=30.0)
-    made = robot(second, ODOMETRY)
-    assert made.motion is not None
-    assert made.motion.topic == "odom"
-    assert "# motion:\n#   topic: odometry/filtered" in text(second, ODOMETRY)
-
-
 def test_a_stop_is_never_taken_for_sure_and_never_a_command() -> None:
     seen = [
         service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"),
@@ -183,17 +175,6 @@ def test_a_stop_is_never_taken_for_sure_and_never_a_command() -> None:
     assert "# stop: {service: emergency_stop, release: reset_emergency_stop}" in written
     assert "#   request: {e_stop_on: true}" in written
     assert "#   release_request: {data: false}" in written
-
-
-def test_a_stop_proposal_works_once_it_is_uncommented() -> None:
-    written = text(BATTERY, service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"))
-    lines = written.splitlines()
-    at = lines.index("# stop:")
-    lines[at : at + 5] = [line.removeprefix("# ") for line in lines[at : at + 5]]
-    stop = parse("\n".join(lines), Path("test.yaml")).stop
-    assert stop is not None
-    assert (stop.service, stop.request) == ("e_stop", {"e_stop_on": True})
-    assert (stop.release, stop.release_request) == ("e_stop", {"e_stop_on": False})
 
 
 def test_no_spelling_of_a_stop_makes_it_a_command() -> None:
@@ -233,14 +214,6 @@ def test_commands_ask_first_since_nobody_knows_what_they_do() -> None:
     )
     lamp = next(command for command in made.commands if command.id == "lamp")
     assert lamp.toggle == {"data": "ask"}
-
-
-def test_a_known_goal_has_its_form_though_its_type_is_not_installed() -> None:
-    made = robot(action("/tb1/navigate_to_pose", "nav2_msgs/action/NavigateToPose"))
-    (goal,) = made.goals
-    assert (goal.id, goal.action) == ("navigate", "navigate_to_pose")
-    assert [field.label for field in goal.form.values()] == ["x", "y", "yaw"]
-    assert goal.fixed == {"pose.header.frame_id": "map"}
 
 
 def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:

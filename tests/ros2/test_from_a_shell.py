@@ -1,13 +1,18 @@
-"""`archo-tui --engine ros2 VERB` where no console runs: it attaches to the graph by itself."""
+"""The command line on real ROS 2: verbs without and beside consoles, and what is refused."""
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
 
 from tests.ros2.conftest import Processes
 from tests.support.waiting import DEADLINE, wait_until
@@ -147,3 +152,91 @@ def test_a_console_that_starts_tells_of_a_stop_that_was_not_released(
     assert "release stop: Released" in told  # nothing kept it from that
     # A busy machine may not have found the robot by then.
     wait_until(lambda: "No alarms" in plain("alarms\n"))
+
+
+# Beside consoles of the other engine and of another domain.
+
+
+def environment(domain: int) -> dict[str, str]:
+    return os.environ | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
+
+
+@contextmanager
+def console(processes: Processes, domain: int, *words: str) -> Iterator[subprocess.Popen[str]]:
+    """A `--plain` that has said the state of its robot."""
+    with processes.begin("--plain", *words, env=environment(domain)) as begun:
+        assert begun.stdin is not None
+        assert begun.stdout is not None
+        begun.stdin.write("status\n")
+        begun.stdin.flush()
+        while not begun.stdout.readline().startswith("goal "):
+            pass
+        try:
+            yield begun
+        finally:
+            begun.kill()
+
+
+def stops(begun: subprocess.Popen[str]) -> int:
+    """How many STOPs were confirmed, until its end."""
+    out, _ = begun.communicate("status\n", timeout=2 * DEADLINE)
+    return out.count("STOP: confirmed")
+
+
+def test_a_stop_of_one_engine_and_domain_stops_no_other(processes: Processes) -> None:
+    domain, other = processes.domain, processes.domain + 1
+    with console(processes, domain, "--engine", "embedded") as embedded:
+        code, _, err = processes.run("--engine", "ros2", "stop", env=environment(domain))
+        assert (code, "and no robot is on domain" in err) == (3, True), err
+        with (
+            console(processes, domain, "--engine", "ros2") as ros,
+            console(processes, other, "--engine", "ros2") as far,
+        ):
+            code, _, err = processes.run("--engine", "ros2", "stop", env=environment(domain))
+            assert (code, err) == (0, "confirmed\n")
+            code, _, err = processes.run("status", env=environment(domain))
+            assert code == 3
+            assert f"ARCHO /, ros2 domain {domain}" in err
+            assert "ARCHO /, embedded" in err
+            assert [stops(one) for one in (ros, far, embedded)] == [1, 0, 0]
+
+
+# What a start refuses: one line, from whichever of ROS's layers it came.
+
+TOO_FAST = "motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n"
+OUT = "Invalid parameter value (9.0) for parameter. Reason: Parameter max_speed out of range"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--params-file fast.yaml", f"fast.yaml:3: {OUT}"),
+        ("--ros-args -p max_speed:=9.0", OUT),
+        ("--namespace /dash-ed", "--namespace /dash-ed: only letters, digits and _"),
+        ("--ros-args --bogus", "unknown ROS arguments: ['--bogus']"),
+        ("--ros-args -r a", "failed to initialize rcl: Couldn't parse remap rule: '-r a'"),
+        ("--ros-args -r __node:=a-b", "failed to initialize rcl: Couldn't parse remap rule"),
+    ],
+)
+def test_it_is_said_in_one_line(
+    words: str, said: str, processes: Processes, tmp_path: Path
+) -> None:
+    (tmp_path / "fast.yaml").write_text(TOO_FAST)
+    code, out, err = processes.run("--engine", "ros2", *words.split(), cwd=tmp_path)
+    ours = [line for line in err.splitlines() if "[rcl]" not in line]  # rcl logs it too
+    assert len(ours) == 1, err
+    assert ours[0].startswith(f"archo-tui: {said}")
+    assert (code, out) == (2, "")
+
+
+@pytest.mark.parametrize("words", ["--plain", "--attach --plain", "status"])
+def test_a_middleware_that_is_not_installed_is_one_line_too(
+    words: str, processes: Processes
+) -> None:
+    environment = processes.environment | {"RMW_IMPLEMENTATION": "rmw_nosuch_cpp"}
+    code, out, err = processes.run("--engine", "ros2", *words.split(), env=environment)
+    assert err.startswith(
+        "archo-tui: RMW_IMPLEMENTATION names rmw_nosuch_cpp, which is not installed"
+    )
+    assert re.search(r"install ros-\w+-rmw-nosuch-cpp, or unset RMW_IMPLEMENTATION", err)
+    assert (err.count("\n"), code, out) == (1, 2, "")

@@ -1,4 +1,4 @@
-"""The console attached to nodes that run elsewhere."""
+"""The console attached to nodes that run elsewhere, and processes that are killed amid goals."""
 
 from __future__ import annotations
 
@@ -8,23 +8,15 @@ import subprocess
 import sys
 
 from tests.ros2.conftest import Processes
+from tests.support.archo import go
 from tests.support.console import LONG, console
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
 
-MOTOR, BATTERY = "archo_bringup.motor_controller", "archo_bringup.battery_monitor"
+MOTOR = "archo_bringup.motor_controller"
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
+SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")  # a way of 11 s
 TEXTBOOK = "tests.contract.textbook"
-
-
-async def test_it_operates_the_robot_of_another_process(processes: Processes) -> None:
-    processes.start(MOTOR, *FAST)
-    processes.start(BATTERY, "-p", "publish_period:=0.1")
-    async with console(attach=True, domain_id=processes.domain) as op:
-        assert "ROS 2" in op.text
-        assert f"domain {processes.domain}" in op.text
-        await op.press("r")
-        await op.until("        0 ticks")
-        await op.press("g", "1", "2", "enter")
-        await op.until("Arrived at shelf 12")
 
 
 async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
@@ -41,7 +33,9 @@ async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
         await op.until("No goal yet.")
 
 
-async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Processes) -> None:
+async def test_a_killed_robot_is_lost_and_holds_the_queue_until_a_new_one_drives(
+    processes: Processes,
+) -> None:
     motor = processes.start(MOTOR, *LONG)
     async with console(attach=True, domain_id=processes.domain, wait=False) as op:
 
@@ -50,9 +44,12 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
             return parameter and parameter.value
 
         await op.until("● IDLE")
+        assert "ROS 2" in op.text
+        assert f"domain {processes.domain}" in op.text
         await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
-        await op.press("g", "1", "2", "enter")
+        await op.press("g", *"12 7", "enter")
         await op.until("m left of")
+        assert "then 7" in op.text
         # of one that was heard for a moment only, silence is not judged for 90 s
         await op.until(lambda: op.app.view.snapshot.motion.period is not None)
         processes.kill(motor)
@@ -62,6 +59,9 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         assert goal.heard is not None
         assert op.app.view.now - goal.heard < 8.0  # 3 s of silence, and a busy machine
         await op.until("CONTACT LOST for")
+        await op.until("held: 7 (contact lost)")
+        await op.press("escape", "k")
+        await op.until(lambda: not op.app.view.waiting)
         await op.press("ctrl+x")  # ends, too
         # it is on the graph for 20 s: on a busy machine these may be over
         await op.until(lambda: "no answer in 2 s" in op.text or "is not offered" in op.text)
@@ -119,3 +119,28 @@ async def test_without_archo_interfaces_another_robot_is_still_operated(
     assert "motor_controller max_speed is 0.8" in done.stdout, done
     said = "motor_status is archo_interfaces/msg/MotorStatus, which is not installed here"
     assert said in done.stdout
+
+
+async def test_a_killed_consoles_goal_goes_on_and_nobody_sends_its_queue(
+    processes: Processes,
+) -> None:
+    processes.start(MOTOR, *SLOW)
+    async with robot(attach=True, nodes=1, domain_id=processes.domain) as watching:
+        killed = processes.start_console("--attach", "--plain")
+        assert killed.stdin is not None
+        killed.stdin.write(b"go 12 7 3\n")
+        killed.stdin.flush()
+        await until(lambda: watching.snapshot.goal and watching.snapshot.goal.remaining)
+        processes.kill(killed)
+        async with robot(attach=True, nodes=1, domain_id=processes.domain) as it:
+            await until(lambda: it.snapshot.goal and it.snapshot.goal.remaining)
+            assert it.snapshot.goal is not None
+            assert not it.snapshot.goal.mine
+            await until(lambda: it.snapshot.history)
+            assert it.snapshot.history[0].message.startswith("Arrived at shelf 12")
+            # the server answers in the order of what it is sent: whatever the queue had is before
+            assert (await ended(go(it, 5))).ok
+            assert (await ended(it.cancel())).ok
+            for one in (watching, it):
+                await until(lambda one=one: len(one.snapshot.history) == 2)  # type: ignore[misc]
+            assert [goal.word for goal in it.snapshot.history] == ["CANCELLED", "ARRIVED"]

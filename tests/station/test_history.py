@@ -12,10 +12,7 @@ from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.screen.widgets.history_panel import covered_span, end_marks
 from archo_tui.station.history import History, Quantity
 from archo_tui.text.plot import curve
-from tests.support.console import screen_text, send
-from tests.support.quiet import Quiet
 from tests.support.states import BATTERY, MOTOR, MOVING, NORMAL
-from tests.support.stub import StubRobot, stub_app
 
 
 def filled(seconds: int) -> History:
@@ -59,16 +56,6 @@ def test_what_is_old_or_not_reported_is_a_gap() -> None:
         history.observe(NORMAL._replace(battery=battery, motion=motion), float(second))
     assert greatest(history, "charge", 10.0, 10, 9.0)[-5:] == [None] * 5
     assert greatest(history, "speed", 10.0, 10, 9.0) == [None] * 10
-
-
-def test_a_drive_that_is_over_before_its_part_is_stays_in_the_hour() -> None:
-    history = History()
-    for second in range(3600):
-        speed = 0.8 if 3000 <= second < 3012 else 0.0
-        motion = replace(MOTOR, speed=speed, received=float(second))
-        history.observe(NORMAL._replace(motion=motion), float(second))
-    found = [both for both in history.ranges("speed", 3600.0, 224, 3599.0) if both is not None]
-    assert [both for both in found if both != (0.0, 0.0)] in ([(0.0, 0.8)], [(0.0, 0.8)] * 2)
 
 
 def test_a_drive_between_two_samples_is_in_the_history() -> None:
@@ -119,22 +106,6 @@ def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     history.observe(NORMAL._replace(goal=MOVING), 1.0)
     history.observe(NORMAL._replace(goal=None), 2.0)
     assert greatest(history, "left", 2.0, 2, 2.0) == [9.0, None]
-
-
-async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> None:
-    app = stub_app(NORMAL._replace(goal=MOVING._replace(remaining=None)))
-    robot: StubRobot = app.station.robot  # type: ignore[assignment]
-    async with app.run_test(size=(120, 36)):
-        quiet = Quiet(app)
-        send(app, "h")
-        await quiet.settle()
-        assert "remaining -- m" in screen_text(app)
-        robot.put(NORMAL._replace(goal=MOVING))
-        await quiet.settle()
-        assert "remaining 9.0 m" in screen_text(app)
-        robot.put(NORMAL)
-        await quiet.settle()
-        assert "remaining -- m" in screen_text(app)
 
 
 FLAT = [(9.0, 9.0)] * 4

@@ -20,7 +20,7 @@ from archo_tui.base.paths import journal_file
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.station import journal
-from archo_tui.station.journal import MAX_BYTES, Journal, unreleased_stop
+from archo_tui.station.journal import Journal, unreleased_stop
 from tests.support.archo import SHELF
 from tests.support.console import FAST, LONG, console
 from tests.support.plain import operated
@@ -58,20 +58,6 @@ def test_an_entry_is_one_line_that_only_its_user_reads(
     made = tmp_path / "other" / "journal.jsonl"
     assert [entry.get("lost_before") for entry in entries(made)] == [7, None, None]
     assert (made.stat().st_mode & 0o777, made.parent.stat().st_mode & 0o777) == (0o600, 0o700)
-
-
-def test_it_is_rotated_at_its_bound(tmp_path: Path) -> None:
-    file = tmp_path / "journal.jsonl"
-    kept = Journal(file)
-    for _ in range(3):
-        for _ in range(800):
-            kept.write(0, "event", text="x" * 1000)
-        kept.close()
-        kept = Journal(file)
-    kept.close()
-    sizes = sorted(path.stat().st_size for path in tmp_path.glob("journal.jsonl*"))
-    assert len(sizes) == 2
-    assert sum(sizes) < 2 * MAX_BYTES + 5000
 
 
 def locked(path: Path) -> Callable[[], None]:
@@ -264,7 +250,8 @@ def test_two_consoles_that_rotate_at_once_lose_nothing_of_the_last_two_files(
     ]
     assert [writer.wait(60) for writer in writers] == [0, 0]
     old = file.with_name("journal.jsonl.1")
-    assert old.stat().st_size > 2000  # a full one, never one that was just begun
+    assert 2000 < old.stat().st_size < 2100  # a full one, never one that was just begun
+    assert file.stat().st_size < 2100
     lines = [json.loads(line) for path in (old, file) for line in path.read_text().splitlines()]
     for name in ("a", "b"):
         numbers = [line["number"] for line in lines if line["writer"] == name]
