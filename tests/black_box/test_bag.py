@@ -322,9 +322,11 @@ def test_a_place_that_cannot_be_is_one_line(
     plain: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "there").mkdir()
+    (tmp_path / "a file").touch()
     for name, said in (
         ("there", "it exists already: name another bag"),
         ("nowhere/bag", "nothing can be written to "),
+        ("a file/bag", "nothing can be written to "),
         ("n" * 300, "File name too long"),
         ("", "--record .: it exists already"),  # not taken for none
     ):

@@ -18,7 +18,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.ros.embedded.parameter_files import matches, read
 from archo_tui.station import parameter_files, save_load
-from archo_tui.station.undo import UndoList
+from archo_tui.station.undo import LIMIT, UndoList
 from tests.parameters import hostile
 from tests.support.console import console
 from tests.support.plain import operated
@@ -418,6 +418,16 @@ class Robot:
 @pytest.fixture
 def robot() -> Any:
     return Robot()
+
+
+async def test_as_many_changes_as_are_kept_are_undone(robot: Any) -> None:
+    edits = UndoList()
+    for value in range(1, LIMIT + 51):
+        await edits.set_parameters(robot, "/n", {"p": value})
+    undone = 0
+    while (await edits.undo(robot)).ok:
+        undone += 1
+    assert (undone, robot.value) == (LIMIT, 50)
 
 
 async def test_a_change_that_was_refused_cannot_be_undone(robot: Any) -> None:

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
@@ -17,6 +18,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.robot.outcome import Code, data_of
+from archo_tui.robot.state.graph import NodeInfo
 from tests.support.console import Console, console_with
 from tests.support.plain import plain
 from tests.support.ros import begin
@@ -166,3 +168,29 @@ async def test_in_words_it_is_shown_and_asked_and_no_call_goes_round_the_questio
         await op.press("C", *"change_state", "enter")
         await op.until("/navigator: type lifecycle /navigator")
         await op.until("navigator unconfigured")
+
+
+async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with managed() as (op, _):
+        robot, go_on, asked = op.session.station.robot, asyncio.Event(), []
+        answers = iter([("configure",), ("cleanup", "activate"), ("deactivate", "shutdown")])
+
+        async def describe(node: str) -> NodeInfo:
+            transitions = next(answers)
+            asked.append(node)
+            if len(asked) > 1:
+                await go_on.wait()
+            return NodeInfo(transitions=transitions)
+
+        monkeypatch.setattr(robot, "describe", describe)
+        await op.press("5", "enter")
+        await op.until("Configure")
+        await change(op, "configure")
+        await op.until(lambda: len(asked) == 2)
+        await change(op, "activate")
+        await op.until(lambda: len(asked) == 3)
+        go_on.set()
+        await op.until("Deactivate")
+        assert "Cleanup" not in op.text
