@@ -7,7 +7,9 @@ from pathlib import Path
 from archo_tui.screen.choose import ChoiceRows, Fit, fit, matching
 from archo_tui.screen.commands.palette import palette_choices
 from archo_tui.screen.keyed_app import HELD
+from archo_tui.screen.main import PANELS
 from archo_tui.screen.terminal.stop_marks import dispatch
+from tests.support.archo import ARCHO
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console, key_event
 
@@ -31,14 +33,6 @@ TYPED = {
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
     "List the diagnostics": ("diagnostics", "parts", "hardware"),
     "List the alarms": ("alarms", "shelve", "warnings"),
-    "Go to panel 1, Battery": ("panel 1", "battery panel", "go battery"),
-    "Go to panel 2, Motor": ("panel 2", "motor panel", "go motor"),
-    "Go to panel 3, Go to shelf": ("panel 3", "shelf panel", "panel go shelf"),
-    "Go to panel 4, Parameters": ("panel 4", "parameters panel", "go parameters"),
-    "Go to panel 5, Nodes": ("panel 5", "nodes panel", "go nodes"),
-    "Go to panel 6, Events": ("panel 6", "events panel", "go events"),
-    "Go to panel 7, History": ("panel 7", "history panel", "go history"),
-    "Go to panel 8, Graph": ("panel 8", "graph panel", "go graph"),
     "Edit the selected parameter": ("edit", "edit parameter", "selected parameter"),
     "Restore the selected parameter": ("restore", "default", "at the start"),
     "Toggle the selected boolean": ("switch", "toggle", "boolean"),
@@ -81,6 +75,14 @@ TYPED = {
     "Topic /motor_status": ("topic motor", "motor status", "plot motor"),
     "Choose a theme": ("theme", "high contrast", "light colors"),
     "Save a picture of the screen": ("screenshot", "picture", "svg"),
+    **{
+        f"Go to panel {panel.number}, {panel.title_for(ARCHO)}": (
+            f"panel {panel.number}",
+            f"{panel.title_for(ARCHO)} panel",
+            f"go {panel.title_for(ARCHO)}",
+        )
+        for panel in PANELS
+    },
 }
 
 
@@ -119,7 +121,7 @@ def test_whole_words_come_before_beginnings_and_those_before_what_is_inside() ->
     assert fit("textual-d", "Theme textual-dark") == Fit.BEGINNING
 
 
-async def test_the_palette_says_what_can_be_done_now_and_keeps_its_rows_in_place() -> None:
+async def test_the_palette_says_what_can_be_done_now_with_refusals_below() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         assert [one.split()[0] for one in first(op)] == ["Go", "Cancel", "STOP"]
@@ -166,9 +168,7 @@ async def test_the_palette_says_what_can_be_done_now_and_keeps_its_rows_in_place
         assert op.app.theme == "nord"
         assert op.app.screen is op.app.main
 
-
-async def test_arrows_and_pages_move_the_cursor_and_refusals_stand_below() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape", "escape")
         await op.press("ctrl+p", "down", "down", "up")
         rows = op.app.screen.query_one(ChoiceRows)
         assert rows.cursor == 1
@@ -178,10 +178,10 @@ async def test_arrows_and_pages_move_the_cursor_and_refusals_stand_below() -> No
         assert rows.cursor == 0
 
         await op.press("escape")
-        await op.press("ctrl+p", *"theme", "enter", *"nord")
+        await op.press("ctrl+p", *"theme", "enter", *"high")
         row = op.app.screen.query_one(ChoiceRows).region
         click(op.app, row.x + 3, row.y)
-        await op.until(lambda: op.app.theme == "nord")
+        await op.until(lambda: op.app.theme == "high-contrast")
         assert op.app.screen is op.app.main
 
         await op.press("escape", "escape")
@@ -196,16 +196,6 @@ async def test_arrows_and_pages_move_the_cursor_and_refusals_stand_below() -> No
         await op.until("R releases")
         await op.press("ctrl+p")
         assert first(op, 1) == ["Release the stop (asks first)"]
-
-
-async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> None:
-    async with console(*FAST) as op:
-        op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")
-        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.5)  # type: ignore[union-attr]
-        await op.until(lambda: op.app.screen is op.app.main)
-        await op.press("g", "ctrl+p", "s", "p", "enter", "0", ".", "4", "enter")
-        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.4)  # type: ignore[union-attr]
-        assert op.app.screen is op.app.main
 
 
 async def test_a_picture_shows_the_screen_without_the_palette(here: Path) -> None:
@@ -229,14 +219,22 @@ async def test_a_watching_console_says_why_nothing_acts() -> None:
             await op.press(*["backspace"] * len(typed))
 
 
-async def test_a_stop_voids_what_the_palette_opens_and_what_is_typed_behind() -> None:
+async def test_eight_keys_at_once_change_the_speed_and_a_stop_behind_them_voids_it() -> None:
     async with console(*FAST) as op:
+        op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")
+        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.5)  # type: ignore[union-attr]
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("g", "ctrl+p", "s", "p", "enter", "0", ".", "4", "enter")
+        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.4)  # type: ignore[union-attr]
+        assert op.app.screen is op.app.main
+
+        await op.press("escape")
         keys = ("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter", "ctrl+x")
         dispatch(map(key_event, keys), op.app, op.app.stop_typed, op.app.post_message)
         await op.until(lambda: op.app.view.snapshot.motion.stopped)
         await op.settle()
         assert op.app.screen is op.app.main
-        assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
+        assert op.app.view.snapshot.parameter("max_speed").value == 0.4  # type: ignore[union-attr]
         await op.at(seconds() + HELD)
         await op.press("R", "y")
         await op.until("● IDLE")
@@ -247,7 +245,7 @@ async def test_a_stop_voids_what_the_palette_opens_and_what_is_typed_behind() ->
         op.send("ctrl+p", "g", "o", "ctrl+x", "enter", "1", "enter")
         await op.until("STOP closed the dialog: press the key again.")
         assert op.app.screen is op.app.main
-        assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
+        assert op.app.view.snapshot.parameter("max_speed").value == 0.4  # type: ignore[union-attr]
         await op.at(seconds() + HELD)
         await op.press("R")
         await op.until("Release the stop?")

@@ -14,7 +14,6 @@ from archo_tui import screen
 from archo_tui.screen import commands
 from archo_tui.screen.commands import registry
 from archo_tui.screen.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command, readable_key
-from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.field import INTEGER
 from tests.support.archo import ARCHO
 from tests.support.front import Front, front
@@ -28,90 +27,30 @@ PLACES = [f"panel {number}" for number in range(1, 7)] + [
 ]  # fmt: skip
 
 
-# every key, by place: one that is new has to find its room here
-KEYS = {
-    EVERYWHERE: {
-        "ctrl+c": "cancel", "ctrl+x": "stop", "ctrl+p": "palette", "ctrl+z": "suspend",
-        "ctrl+q": "quit_everywhere", "f1": "help_everywhere",
-    },
-    NOT_TYPING: {
-        **{str(panel.number): f"panel_{panel.number}" for panel in PANELS},
-        "a": "ack", "c": "charge", "g": "go", "h": "history", "k": "skip",
-        "n": "continue", "q": "quit", "r": "reset",
-        "A": "alarms", "C": "call", "G": "send_goal", "R": "release",
-        "left_square_bracket": "shorter", "right_square_bracket": "longer",
-        "question_mark": "help",
-    },
-    "in Parameters": {
-        "d": "only_changed", "full_stop": "all_parameters", "u": "undo", "enter": "edit",
-        "backspace": "restore",
-        "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
-    },
-    "in Nodes": {"s": "start_stop", "plus": "copy", "ctrl+r": "restart", "enter": "details"},
-    "in Events": {
-        "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
-        "slash": "search", "ctrl+s": "save_events",
-    },
-    "in Graph": {"enter": "resource"},
-    "KeyedApp": {
-        "escape": "leave_field",
-    },
-    "AlarmList": {
-        "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "enter": "open_diagnostics",
-    },
-    "ListDialog": {"escape": "close", "q": "close"},
-    "DiagnosticList": {"f": "forget", "enter": "close"},
-    "TopicDialog": {
-        "enter": "fold", "p": "plot", "P": "publish", "space": "freeze",
-        "slash": "narrow", "t": "show_type", "y": "copy", "escape": "leave", "q": "close",
-    },
-    "AnswerRequest": {
-        "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
-        "pageup": "scroll(-1)", "pagedown": "scroll(1)",
-        "left": "app.focus_previous", "right": "app.focus_next",
-    },
-    "Choose": {"escape": "close", "pageup": "turn('pageup')", "pagedown": "turn('pagedown')"},
-    "Confirm": {
-        "escape": "answer(0)", "n": "answer(0)", "y": "yes",
-        "left": "app.focus_previous", "right": "app.focus_next",
-    },
-    "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
-    "Form": {"escape": "close"},
-    "MessageForm": {"escape": "close", "ctrl+s": "send"},
-    "NodeDialog": {
-        "escape": "close", "enter": "choose_topic", "q": "close",
-        "left": "app.focus_previous", "right": "app.focus_next",
-    },
-    "RecordingList": {"enter": "play", "y": "copy", "d": "delete", "delete": "delete"},
-    "ShowText": {"escape": "close", "enter": "close", "q": "close"},
-}  # fmt: skip
-
-
-def test_every_key_stands_in_the_table_once() -> None:
-    found: dict[str, dict[str, str]] = {}
-    for command in COMMANDS:
-        there = found.setdefault(command.where_text, {})
-        assert command.key not in there
-        if command.key:
-            there[command.key] = command.id
+def bound_in_dialogs() -> list[tuple[str, str]]:
+    """Return each key that a class of the screen binds by itself, behind the name of the class."""
     rooms = {"screen": screen.__path__, "screen.commands": commands.__path__}
     files = [f"{room}.{one.name}" for room, path in rooms.items() for one in iter_modules(path)]
-    for name in files:
-        module = import_module(f"archo_tui.{name}")
-        for thing in vars(module).values():
-            if isinstance(thing, type) and thing.__module__ == module.__name__:
-                made = [*Binding.make_bindings(vars(thing).get("BINDINGS", ()))]
-                bound = found.setdefault(thing.__name__, {}) if made else {}
-                for key, action in ((one.key, one.action) for one in made):
-                    bound[key] = f"{bound[key]}, {action}" if key in bound else action
-    assert found == KEYS
+    modules = [import_module(f"archo_tui.{name}") for name in files]
+    own = [(kind, module) for module in modules for kind in vars(module).values()]
+    return [
+        (kind.__name__, binding.key)
+        for kind, module in own
+        if isinstance(kind, type) and kind.__module__ == module.__name__
+        for binding in Binding.make_bindings(vars(kind).get("BINDINGS", ()))
+    ]
 
 
-def test_no_key_of_a_panel_is_one_of_every_panel() -> None:
-    everywhere = [*KEYS[EVERYWHERE], *KEYS[NOT_TYPING]]
-    assert len(set(everywhere)) == len(everywhere)
-    for place in ("in Parameters", "in Nodes", "in Events", "in Graph"):
-        assert not KEYS[place].keys() & set(everywhere)
+def test_no_key_has_two_meanings_in_one_place() -> None:
+    found = [(command.where_text, command.key) for command in COMMANDS if command.key]
+    everywhere = [key for where, key in found if where in (EVERYWHERE, NOT_TYPING)]
+    panels = {key for where, key in found if where not in (EVERYWHERE, NOT_TYPING)}
+    assert len(set(everywhere)) == len(everywhere) > 20
+    assert not panels & {*everywhere}
+    found += bound_in_dialogs()
+    assert len(set(found)) == len(found) > 60
+    always = {key for where, key in found if where == EVERYWHERE}
+    assert not always & {key for _, key in bound_in_dialogs()}  # STOP acts in each of them.
 
 
 async def go_to(it: Front, place: str) -> int:
