@@ -65,17 +65,6 @@ def test_a_character_directly_behind_an_escape_is_no_text(char: str, key: str, g
     assert pressed.text == ""
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.05])
-def test_a_digit_directly_behind_an_escape_leaves_and_is_no_text_either(gap: float) -> None:
-    pressed = typed("\x1b", "8", gap=gap)
-    assert pressed.keys == ["escape", "alt+8"]
-    assert pressed.text == ""
-
-
-def test_words_are_skipped_as_on_a_mac() -> None:
-    assert typed("\x1bb\x1bf").keys == ["ctrl+left", "ctrl+right"]
-
-
 @pytest.mark.parametrize("gap", [0.0, 0.05, 0.3])
 @pytest.mark.parametrize(
     ("char", "key"),
@@ -87,14 +76,60 @@ def test_a_control_character_behind_an_escape_is_a_key_of_its_own(
     assert typed("\x1b", char, gap=gap).keys == ["escape", key]
 
 
-def test_shift_tab_of_the_linux_console_is_one_key() -> None:
-    assert typed("\x1b\t\x1b\x7f").keys == ["shift+tab", "ctrl+w"]
+BEGUN = ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"]
+X_OF_ANY_LAYOUT = [
+    *("\x1b[120;5u", "\x1b[1095;5u", "\x1b[1095::120;5u", "\x1b[967;5u", "\x1b[967::120;5u"),
+    *("\x1b[27;5;88~", "\x1b[27;5;120~", "\x1b[88;5u", "\x1b[120;69u", "\x1b[120;133u"),
+    *("\x1b[1063;5u", "\x1b[120:88;5:1u", "\x1b[120::98;5u", "\x1b[1095:1063:120;5:2;u"),
+    "\x1b[1513::120;5u",  # Hebrew: the base layout tells where the alphabet is unknown
+]
+# what is read, as one write, or (joined by `|`) with that many seconds between: which keys it is
+KEYS: list[tuple[str, float, str]] = [
+    *(("\x1bb\x1bf", 0, "ctrl+left ctrl+right"), ("\x1b\t\x1b\x7f", 0, "shift+tab ctrl+w")),
+    *(("\x1b|8", gap, "escape alt+8") for gap in (0.0, 0.05)),
+    *(("\x1b\x1b[A\x18", 0, "escape up ctrl+x"), ("\x1b\x1b", 0, "escape escape")),
+    ("\x1b\x1b|n", 0.12, "escape escape n"),
+    # a key whose escape came before it, and a sequence that is waited for and dropped
+    *(("\x1b|[A", 0.3, "escape up"), ("\x1b|[[A", 0.3, "escape f1"), ("\x1bO|P", 0.4, "f1")),
+    *(("\x1b[1;|5A", 0.45, "ctrl+up"), ("\x1b[1;|r", 0.55, "r")),
+    # a string without an end, and a long answer whose escape came before it
+    *(("\x1b]52;c;AAAA|gr7|r", 0.45, ""), ("\x1b]52;c;AAAA|r", 0.55, "r")),
+    ("\x1b|]l" + "gr7 " * 100, 0.3, "escape"),
+    # a sequence ends at what cannot be in one, at a STOP, and at another one; an endless one
+    *(("\x1b[1;\rr", 0, "enter r"), ("\x1b[" + "1" * 100_000 + "ur", 0, "r")),
+    ("\x1b[1;" + "0" * 300 + "5Ar", 0, "r"),
+    *((f"{begun}\x18r", 0, "ctrl+x r") for begun in BEGUN),
+    *((f"{begun}\x1ar", 0, "r") for begun in BEGUN),
+    *((f"{begun}\x1b[Ar", 0, "up r") for begun in BEGUN),
+    *((f"{begun}|\x1b|r", 0.6, "escape r") for begun in BEGUN),
+    ("\x1b[M !!r\x1b[35;10;10Mr", 0, "r r"),  # older reports of the mouse
+    # of all terminals
+    *((sent, 0, "up") for sent in ("\x1b[A", "\x1bOA", "\x1b[1;1:2A")),
+    *((sent, 0, "f1") for sent in ("\x1bOP", "\x1b[11~", "\x1b[[A", "\x1b[P")),
+    *(("\x1b[1;5A", 0, "ctrl+up"), ("\x1b[1;2A", 0, "shift+up"), ("\x1b[24~", 0, "f12")),
+    *(("\x1b[Z", 0, "shift+tab"), ("\x1b[3~", 0, "delete"), ("\x1b[3$", 0, "shift+delete")),
+    *(("\x1b[H", 0, "home"), ("\x1b[7~", 0, "home"), ("\x1b[5^", 0, "ctrl+pageup")),
+    *(("\x1bOM", 0, "enter"), ("\x1b[1;129B", 0, "down"), ("\x7f\r\t", 0, "backspace enter tab")),
+    ("\x18rR", 0, "ctrl+x r R"),
+    # letters of other alphabets are keys by their place, é of AZERTY is the digit of its place
+    *(
+        (f"\x1b[{ord(a)};5u", 0, f"ctrl+{b}")
+        for a, b in zip("йячсмфыςερψ", "qzxcvaswerc", strict=True)
+    ),
+    ("\x1b[233::50;3u", 0, "alt+2"),
+    *((sent, 0, "ctrl+x") for sent in X_OF_ANY_LAYOUT),
+    # a key that is let go is none
+    *((sent, 0, "") for sent in ("\x1b[120;5:3u", "\x1b[97;1:3;97u", "\x1b[1;1:3A", "\x1b[3;1:3~")),
+]
 
 
-def test_of_two_escapes_the_second_may_begin_a_sequence() -> None:
-    assert typed("\x1b\x1b[A\x18").keys == ["escape", "up", "ctrl+x"]
-    assert typed("\x1b\x1b").keys == ["escape", "escape"]
-    assert typed("\x1b\x1b", "n", gap=0.12).keys == ["escape", "escape", "n"]
+@pytest.mark.parametrize(("sent", "gap", "keys"), KEYS, ids=range(len(KEYS)))
+def test_what_is_read_is_these_keys_and_no_text_of_a_sequence(
+    sent: str, gap: float, keys: str
+) -> None:
+    pressed = typed(*sent.split("|"), gap=gap)
+    assert pressed.keys == keys.split()
+    assert pressed.text == "".join(key for key in pressed.keys if len(key) == 1)
 
 
 @pytest.mark.parametrize("char", list("[]P_^X"))
@@ -117,17 +152,6 @@ def test_stop_behind_it_is_not_held(char: str) -> None:
     keyboard = Typed().read("\x1b").read(char, after=0.3).read("\x18", after=0.1)
     assert keyboard.keys[-1] == "ctrl+x"
     assert keyboard.text == char
-
-
-def test_a_key_whose_escape_came_before_it_is_that_key() -> None:
-    assert typed("\x1b", "[A", gap=0.3).keys == ["escape", "up"]
-    assert typed("\x1b", "[[A", gap=0.3).keys == ["escape", "f1"]
-
-
-def test_an_incomplete_sequence_is_waited_for_and_dropped() -> None:
-    assert typed("\x1b[1;", "5A", gap=0.45).keys == ["ctrl+up"]
-    assert typed("\x1b[1;", "r", gap=0.55).keys == ["r"]
-    assert typed("\x1bO", "P", gap=0.4).keys == ["f1"]
 
 
 @pytest.mark.parametrize("sent", SENT)
@@ -161,11 +185,6 @@ def test_an_answer_of_the_terminal_is_nothing_that_acts(answer: str) -> None:
 )
 def test_so_is_one_with_controls_of_8_bits_or_beyond_ascii(answer: bytes) -> None:
     assert typed(answer + b"r").keys == ["r"]
-
-
-def test_a_string_without_an_end_is_over_after_half_a_second() -> None:
-    assert typed("\x1b]52;c;AAAA", "gr7", "r", gap=0.45).keys == []
-    assert typed("\x1b]52;c;AAAA", "r", gap=0.55).keys == ["r"]
 
 
 def test_a_string_that_does_not_end_is_not_kept_and_a_pause_ends_it() -> None:
@@ -204,32 +223,6 @@ def test_a_paste_in_a_flood_keeps_no_stop() -> None:
     assert keyboard.read("r", after=0.12).keys == ["ctrl+x", "r"]
 
 
-@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
-def test_stop_ends_a_sequence_and_acts(begun: str) -> None:
-    assert typed(f"{begun}\x18r").keys == ["ctrl+x", "r"]
-    assert typed(f"{begun}\x1ar").keys == ["r"]
-
-
-@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
-def test_an_escape_in_a_sequence_begins_another_one(begun: str) -> None:
-    assert typed(f"{begun}\x1b[Ar").keys == ["up", "r"]
-    assert typed(begun, "\x1b", "r", gap=0.6).keys == ["escape", "r"]
-
-
-def test_a_long_answer_whose_escape_came_before_it_is_nothing_that_is_typed() -> None:
-    assert typed("\x1b", "]l" + "gr7 " * 100, gap=0.3).keys == ["escape"]
-
-
-def test_a_control_sequence_ends_at_what_cannot_be_in_one() -> None:
-    assert typed("\x1b[1;\rr").keys == ["enter", "r"]
-    assert typed("\x1b[1;ör").text == "ör"
-
-
-def test_an_endless_control_sequence_is_no_key() -> None:
-    assert typed("\x1b[" + "1" * 100_000 + "ur").keys == ["r"]
-    assert typed("\x1b[1;" + "0" * 300 + "5Ar").keys == ["r"]
-
-
 @pytest.mark.parametrize(
     ("sent", "name"),
     [
@@ -247,10 +240,6 @@ def test_what_textual_reads_it_gets(sent: str, name: str) -> None:
     for at in range(1, len(sent)):
         assert typed(sent[:at], sent[at:], gap=0.05).names == [name]
     assert typed("\x1b", sent[1:], gap=0.3).names == ["Key", name]
-
-
-def test_the_older_forms_of_mouse_reports_are_no_keys() -> None:
-    assert typed("\x1b[M !!r\x1b[35;10;10Mr").keys == ["r", "r"]
 
 
 @pytest.mark.parametrize(
@@ -280,6 +269,10 @@ def test_what_textual_stumbles_over_ends_nothing(monkeypatch: pytest.MonkeyPatch
 # text
 
 
+def test_letters_beyond_ascii_end_a_control_sequence_and_are_text() -> None:
+    assert typed("\x1b[1;ör").text == "ör"
+
+
 def test_letters_of_several_bytes_come_in_pieces() -> None:
     assert typed(*[bytes([byte]) for byte in "жß€\N{SNOWMAN}".encode()], gap=0.05).text == "жß€☃"
 
@@ -289,46 +282,7 @@ def test_what_is_no_utf_8_is_unreadable_and_stop_behind_it_acts() -> None:
     assert typed(b"\xe4", b"\x18", gap=0.2).keys == ["ctrl+x"]
 
 
-def test_keys_of_all_terminals() -> None:
-    sent = {
-        **{"\x1b[A": "up", "\x1bOA": "up", "\x1b[1;5A": "ctrl+up", "\x1b[1;2A": "shift+up"},
-        **{"\x1bOP": "f1", "\x1b[11~": "f1", "\x1b[[A": "f1", "\x1b[P": "f1", "\x1b[24~": "f12"},
-        **{"\x1b[Z": "shift+tab", "\x1b[3~": "delete", "\x1b[3$": "shift+delete"},
-        **{"\x1b[H": "home", "\x1b[7~": "home", "\x1b[5^": "ctrl+pageup", "\x1bOM": "enter"},
-        **{"\x7f": "backspace", "\r": "enter", "\t": "tab", "\x18": "ctrl+x", " ": "space"},
-        **{"r": "r", "R": "R", "?": "question_mark", "\x1b[1;129B": "down"},
-    }
-    assert {one: typed(one).keys for one in sent} == {one: [key] for one, key in sent.items()}
-
-
 # kitty's protocol
-
-
-@pytest.mark.parametrize(
-    "sent",
-    [
-        *("\x1b[120;5u", "\x1b[1095;5u", "\x1b[1095::120;5u", "\x1b[967;5u", "\x1b[967::120;5u"),
-        *("\x1b[27;5;88~", "\x1b[27;5;120~", "\x1b[88;5u", "\x1b[120;69u", "\x1b[120;133u"),
-        *("\x1b[1063;5u", "\x1b[120:88;5:1u", "\x1b[120::98;5u", "\x1b[1095:1063:120;5:2;u"),
-    ],
-)
-def test_stop_is_stop_under_any_layout(sent: str) -> None:
-    assert typed(sent).keys == ["ctrl+x"]
-    assert typed(sent).text == ""
-
-
-@pytest.mark.parametrize(
-    ("letters", "keys"),
-    [("йячсмфывхэё", "qzxcvasd['`"), ("Чіїєґ", "xs]'\\"), ("ςερχψωβΧ", "werxcvbx")],
-)
-def test_letters_of_other_alphabets_are_keys_by_their_place(letters: str, keys: str) -> None:
-    pressed = [typed(f"\x1b[{ord(letter)};5u").keys for letter in letters]
-    assert pressed == [typed(f"\x1b[{ord(key)};5u").keys for key in keys]
-
-
-def test_the_base_layout_tells_where_the_alphabet_is_unknown() -> None:
-    assert typed("\x1b[1513::120;5u").keys == ["ctrl+x"]  # Hebrew
-    assert typed("\x1b[233::50;3u").keys == ["alt+2"]  # é of AZERTY
 
 
 @pytest.mark.parametrize(
@@ -370,11 +324,6 @@ def test_keys_that_are_no_text(sent: str, key: str, character: str | None) -> No
     (message,) = typed(sent).messages
     assert isinstance(message, events.Key)
     assert (message.key, message.character) == (key, character)
-
-
-@pytest.mark.parametrize("sent", ["\x1b[120;5:3u", "\x1b[97;1:3;97u", "\x1b[1;1:3A", "\x1b[3;1:3~"])
-def test_a_key_that_is_let_go_is_none(sent: str) -> None:
-    assert typed(sent).messages == []
 
 
 # the mouse
