@@ -8,6 +8,7 @@ from archo_tui.screen.choose import ChoiceRows, Fit, fit, matching
 from archo_tui.screen.commands.palette import palette_choices
 from archo_tui.screen.keyed_app import HELD
 from archo_tui.screen.main import PANELS
+from archo_tui.screen.terminal import themes
 from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.archo import ARCHO
 from tests.support.clock import seconds
@@ -166,6 +167,7 @@ async def test_the_palette_says_what_can_be_done_now_with_refusals_below() -> No
         assert first(op) == ["Theme nord"]
         await op.press("enter")
         assert op.app.theme == "nord"
+        await op.until(lambda: themes.remembered_theme() == "nord")
         assert op.app.screen is op.app.main
 
         await op.press("escape", "escape")

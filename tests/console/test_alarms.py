@@ -7,19 +7,14 @@ from functools import partial
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.base.paths import journal_file
 from archo_tui.robot.stop.machine import OBEYED
 from archo_tui.robot.stop.sender import FIRST_FOUND
 from tests.support.clock import seconds
-from tests.support.console import FAST, click, console
-from tests.support.ros import begin
-from tests.support.stand_in import StandIn
+from tests.support.console import FAST, click, console, console_with
+from tests.support.stand_in import Made, Other, StandIn
 
 
 async def test_an_alarm_that_is_over_stays_until_acknowledged_by_key_or_click() -> None:
@@ -104,39 +99,6 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_that_the_journal_keeps() -
     assert reasons == ["a test", "again"]
 
 
-class DrivesOn(Node):
-    """Answers a STOP and drives on until its goal is cancelled; can send itself a goal."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("drives_on", **options)
-        self.answered = 0.0
-        self.cancelled: list[float] = []
-        self.heeds = True
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
-        ActionServer(
-            self, MoveToShelf, "move_to_shelf", self.execute, cancel_callback=self.on_cancel
-        )
-        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
-
-    def stop(self, request: Any, response: Any) -> Any:
-        self.answered = seconds()
-        response.success, response.message = True, "Stopped"
-        return response
-
-    def on_cancel(self, request: Any) -> CancelResponse:
-        self.cancelled.append(seconds())
-        if self.heeds:
-            self.end.set_result(True)
-        return CancelResponse.ACCEPT
-
-    async def execute(self, goal: Any) -> Any:
-        self.end: Future[bool] = Future()
-        await self.end
-        goal.canceled()
-        return MoveToShelf.Result(final_message="Cancelled at last")
-
-
 async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_once() -> None:
     async with console(node_makers=[partial(StandIn, "no_stop", moving=True)], wait=False) as op:
         await op.until("● online")
@@ -154,36 +116,36 @@ async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_onc
         assert op.text.count(reason) == 2  # in the banner and among the events
 
 
+DRIVES_ON = partial(StandIn, "drives_on", "yes", goals="drive")
+
+
 async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told() -> None:
-    async with console(node_makers=[DrivesOn], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
-        (node,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(node, DrivesOn)
-        node.heeds = False
+    async with console_with(DRIVES_ON, "move_to_shelf", "emergency_stop") as (op, node):
+        node.drives_on = True
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.at(seconds() + 0.5)
         await op.press("ctrl+x")
         await op.until("✗ STOP WAS ANSWERED, BUT shelf 12 STILL RUNS: use the hardware stop")
-        await op.until(lambda: node.cancelled)
-        assert node.cancelled[0] - node.answered == pytest.approx(0.3, abs=0.3)
-        begin(node, node.end.set_result, True)
-        await op.until("Cancelled at last")
+        await op.until(lambda: node.cancels)
+        assert node.cancels[0] - node.stops[0] == pytest.approx(0.3, abs=0.3)
+        node.drives_on = False
+        await op.until("called back")
         await op.until("STOPPED: look for the cause   +1 alarm")
         await op.press("a")
         await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
 
 
 async def test_another_clients_goal_that_outlives_a_stop_is_told_and_left_alone() -> None:
-    async with console(node_makers=[DrivesOn], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
-        (node,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(node, DrivesOn)
-        begin(node, node.client.send_goal_async, MoveToShelf.Goal(shelf_number=12))
+    drives_on, other = Made(DRIVES_ON), Made(Other)
+    async with console(node_makers=[drives_on, other], wait=False) as op:
+        await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
+        await op.until(other.node.client.server_is_ready)
+        other.node.go(shelf=12)
         await op.until("MOVING (another client's goal)")
         await op.at(seconds() + 0.5)
         await op.press("ctrl+x")
         await op.until("✗ STOP WAS ANSWERED, BUT another client's goal STILL RUNS: use the")
-        await op.at(node.answered + 5 * OBEYED)
-        assert node.cancelled == []
+        await op.at(drives_on.node.stops[-1] + 5 * OBEYED)
+        assert drives_on.node.cancels == []
         assert "STILL RUNS" in op.text

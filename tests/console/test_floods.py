@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
-from archo_interfaces.msg import BatteryStatus
 from rcl_interfaces.msg import Log
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -80,25 +78,6 @@ async def test_ten_thousand_log_lines_a_second() -> None:
 
 
 @pytest.mark.night
-async def test_a_thousand_battery_readings_a_second() -> None:
-    async with console(*FAST[:4]) as op:
-        meter = Node("meter", context=op.session.context)
-        publisher = meter.create_publisher(BatteryStatus, "battery_level", 10)
-
-        def publish(number: int) -> None:
-            charge = 40.0 + number % 100 / 10
-            publisher.publish(BatteryStatus(percentage=charge, voltage=22.5, battery_health="good"))
-
-        with flooding(op, 1000, publish) as sent:
-            await op.until(lambda: sent[0] > 500)
-            await keys_answer(op)
-            # its own readings and the monitor's come mixed: one of ours is seen, digit by digit
-            await op.until(lambda: re.search(r"● GOOD 4\d\.\d % 22\.5 V", op.words))
-        assert len(op.app.view.snapshot.charge) <= 300
-        meter.destroy_node()
-
-
-@pytest.mark.night
 async def test_dozens_of_nodes_with_twenty_parameters_each() -> None:
     count = 250 if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
     async with console(*FAST) as op:
@@ -144,19 +123,3 @@ async def test_dozens_of_nodes_with_twenty_parameters_each() -> None:
             executor.shutdown(0)
             for node in nodes:
                 node.destroy_node()
-
-
-@pytest.mark.night
-async def test_a_parameter_of_a_megabyte_and_strange_letters() -> None:
-    async with console(*FAST) as op:
-        guest = op.session.host.nodes[1].node
-        guest.declare_parameter("huge", "x" * 1_000_000)
-        guest.declare_parameter("wide", "棚\u200b\u0301 \u05d0\u05d1 \U0001f916\x1b]0;title\x07")
-        await op.until("xxxxxxxxxxxxxxxx")
-        await op.until("棚")
-        assert "\x1b" not in op.text
-        assert "\u200b" not in op.text
-        await op.press("4", "slash", *"huge", "enter", "enter")
-        await op.until(" huge ")
-        await op.press("escape")
-        await keys_answer(op)

@@ -6,7 +6,6 @@ import json
 import re
 from pathlib import Path
 
-import pytest
 from textual import events
 from textual.widgets import Input
 
@@ -14,7 +13,6 @@ from archo_tui.base.paths import journal_file
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, console
-from tests.support.night import corners
 
 
 async def test_a_goal_is_typed_driven_and_arrives() -> None:
@@ -138,17 +136,11 @@ async def test_a_red_hint_leaves_with_the_next_key() -> None:
         await op.until(lambda: "at most 40" not in op.text)
 
 
-@pytest.mark.parametrize("together", corners([True], [False]))
-async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
-    together: bool,
-) -> None:
+async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done() -> None:
     async with console(*FAST) as op:
         for typed in ("1ox5", "o15", "1r", "1rcq", "12s", "0x10", "15a", "1_2"):
             await op.press("g", "ctrl+u")
-            if together:  # in one write
-                op.send(*typed, "enter")
-            else:
-                await op.press(*typed, "enter")
+            op.send(*typed, "enter")
             await op.until(f"Shelf: not a whole number: {typed}")
             assert op.app.query_one("#goal-0", Input).value == typed
             await op.press("backspace", "r")  # what was refused can be mended, and is still text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,7 @@ from rclpy.node import Node
 from textual.events import MouseDown, MouseUp
 from textual.widgets import Input
 
-from archo_tui.base.paths import config_file
 from archo_tui.screen.commands.base import PanelKey
-from archo_tui.screen.terminal import themes
 from archo_tui.screen.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, PANEL_KEYS, Console, console, key_event
@@ -20,13 +19,6 @@ from tests.support.night import corners
 from tests.support.stand_in import Made, StandIn
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
-
-
-class Nobody(Node):
-    """Offers nothing."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("nobody", **options)
 
 
 async def test_numbers_and_tab_walk_through_the_panels_and_escape_leads_back() -> None:
@@ -73,15 +65,6 @@ async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_
         await op.press("R")
         await op.until("the robot is not stopped")
         assert op.app.screen is op.app.main  # and nothing is asked
-
-        await op.press("escape")
-        await op.press("ctrl+p")
-        await op.type("reset the")
-        await op.until("Reset the encoder to zero")
-        await op.press("enter")
-        await op.until("reset encoder: Encoder reset to zero")
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
 
 
 async def test_keys_of_dialogs_are_for_them_alone() -> None:
@@ -193,15 +176,6 @@ async def test_help_lists_every_command_with_its_key() -> None:
         await op.until(lambda: op.app.screen is op.app.main)
 
 
-async def test_a_theme_is_remembered() -> None:
-    async with console(*FAST) as op:
-        assert themes.remembered_theme() == ""
-        op.app.theme = "nord"
-        await op.until(lambda: themes.remembered_theme() == "nord")
-    config_file("theme").write_text("no such theme\n")
-    assert themes.remembered_theme() == ""
-
-
 async def test_a_click_does_what_the_key_does() -> None:
     async with console(*FAST, size=(120, 36)) as op:
         lines = op.text.splitlines()
@@ -219,7 +193,7 @@ async def test_a_click_does_what_the_key_does() -> None:
 
 
 async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
-    async with console(node_makers=[Nobody], wait=False) as op:
+    async with console(node_makers=[partial(Node, "nobody")], wait=False) as op:
         await op.until("● nobody")
         assert "move_to_shelf is not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")

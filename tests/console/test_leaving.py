@@ -121,7 +121,7 @@ async def test_a_goal_that_left_just_before_quitting_is_cancelled() -> None:
     assert said == ["quit: cancelling the goal to shelf 12", "cancelled"]
 
 
-@pytest.mark.parametrize("end", ["ctrl+q", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("end", ["ctrl+q", "SIGTERM"])
 async def test_the_end_waits_for_the_answer_to_a_stop(end: str) -> None:
     async with front(NORMAL) as it:
         answer = asyncio.get_running_loop().create_future()

@@ -20,7 +20,15 @@ from tests.support.night import corners
 async def test_r_resets_c_charges_and_a_goal_is_refused_while_stopped() -> None:
     async with console(*FAST) as op:
         await op.until("15 420 ticks")
-        await op.press("r")
+        await op.press("2", "enter")  # the panel alone does nothing
+        await op.settle()
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+        await op.press("tab", "enter")  # its button
+        await op.until("        0 ticks")
+        await op.press("escape", "g", "6", "enter")
+        await op.until("Arrived at shelf 6")
+        await op.until(lambda: "        0 ticks" not in op.text)
+        await op.press("escape", "r")
         await op.until("        0 ticks")
         await op.until("reset encoder: Encoder reset to zero")
 
@@ -34,15 +42,6 @@ async def test_r_resets_c_charges_and_a_goal_is_refused_while_stopped() -> None:
         await op.press("g", "7", "enter")
         refused = re.compile(r"✗ REFUSED +at \d\d:\d\d:\d\d: emergency stop: release it first")
         await op.until(lambda: refused.search(op.text))
-
-
-async def test_the_reset_button_does_the_same() -> None:
-    async with console(*FAST) as op:
-        await op.press("2", "enter")  # the panel alone does nothing
-        await op.settle()
-        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
-        await op.press("tab", "enter")
-        await op.until("        0 ticks")
 
 
 async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> None:

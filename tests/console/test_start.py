@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import pytest
 from archo_bringup.motor_controller import MotorController
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -13,7 +12,7 @@ from rclpy.parameter import Parameter
 from archo_tui.screen.widgets.bars import header
 from archo_tui.screen.widgets.field import Field
 from tests.support.console import FAST, LONG, PANEL_KEYS, console
-from tests.support.front import Front, front
+from tests.support.front import Front, front, reset_main
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, stub_app
 
@@ -49,14 +48,10 @@ async def test_at_the_start_a_number_and_enter_drive_and_enter_alone_does_not() 
         assert op.focused_panel == 5
 
 
-@pytest.mark.parametrize("size", [(79, 40), (50, 15), (120, 19)])
-async def test_a_field_out_of_sight_does_not_have_the_focus(size: tuple[int, int]) -> None:
-    async with front(NORMAL, StandingClock(), size=size, in_field=True) as it:
+async def test_a_field_out_of_sight_has_no_focus_and_typing_in_one_shows_it() -> None:
+    async with front(NORMAL, StandingClock(), size=(50, 15), in_field=True) as it:
         assert not isinstance(it.app.focused, Field)
         assert it.focused_panel == 4
-
-
-async def test_typing_in_a_field_that_went_out_of_sight_shows_it() -> None:
     async with front(NORMAL, StandingClock(), in_field=True) as it:
         assert "Go to shelf" not in await it.resize(50, 12)
         shown = await it.press("7")
@@ -135,22 +130,6 @@ async def test_qos_overrides_are_hidden_and_a_changed_parameter_is_shown() -> No
         await op.until("shows 16 more")
 
 
-async def test_what_is_hidden_costs_nothing_while_it_stays_so(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    own = NORMAL.parameters[0]._replace(name="use_sim_time", value=False, initial=False)
-    snapshot = NORMAL._replace(parameters=(*NORMAL.parameters, own))
-    async with front(snapshot) as it:
-        assert "shows 4 more" in it.text
-        drawn: list[object] = []
-        monkeypatch.setattr(it.main.parameters, "refresh", lambda *_, **__: drawn.append(1))
-        it.app._on_snapshot(snapshot)
-        await it.tick()
-        assert drawn == []
-        it.app._on_snapshot(NORMAL)
-        assert drawn
-
-
 async def test_no_list_has_a_bar_before_somebody_comes_by_a_key_or_a_click() -> None:
     async with front() as it:
         assert it.focused_panel == 4
@@ -162,8 +141,10 @@ async def test_no_list_has_a_bar_before_somebody_comes_by_a_key_or_a_click() -> 
         for key, first in (("5", "battery_monitor"), ("6", "Low battery"), ("4", "max_speed")):
             await it.press(key)
             assert first in bars(it)[0]
-    for come in ("tab", "click"):
-        async with front() as it:
+        for come in ("tab", "click"):
+            reset_main(it.main)
+            await it.settle()
+            assert bars(it) == []
             rows = it.main.parameters.focus_target.region
             await (it.press("tab") if come == "tab" else it.click(rows.x + 2, rows.y))
             assert len(bars(it)) in (1, 2), come  # one row, with its description

@@ -6,17 +6,14 @@ import asyncio
 from contextvars import Context
 from unittest.mock import patch
 
-import pytest
 from textual import events
 from textual.errors import NoWidget
 from textual.geometry import Size
 from textual.widgets import Input
 
-from archo_tui.screen.choose import ChoiceRows
 from archo_tui.screen.commands.alarms import AlarmList
 from archo_tui.screen.commands.help import Help
 from archo_tui.screen.commands.palette import CommandPalette
-from archo_tui.screen.main import MainScreen
 from archo_tui.screen.widgets.bars import NoticeLine
 from tests.support.console import FAST, Console, click, console
 
@@ -72,28 +69,6 @@ async def test_palette_and_help_over_each_other_go_as_they_came() -> None:
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
 
-        await op.press("f1")
-        help_screen = op.app.screen
-        await op.press("escape")
-        assert isinstance(help_screen, Help)
-        assert not help_screen.children
-        help_screen._draw()
-
-        op.send("ctrl+p", "pagedown", "pageup")
-        await op.settle()
-        await op.type("zzz")
-        await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
-        await op.press("escape")
-        assert op.app.screen is op.app.main
-
-        await op.press("ctrl+p")
-        rows = op.app.screen.query_one(ChoiceRows)
-        x, y = rows.region.offset
-        await op.type("zzz")
-        for at in (y, y + 2, 999):  # 999: beyond the terminal
-            rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
-        await op.settle()
-        assert isinstance(op.app.screen, CommandPalette)
         await stop_works(op)
 
 
@@ -113,15 +88,6 @@ async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() ->
     async with console(*FAST) as op:
         notice = await read_something(op)
         x, y = notice.region.offset
-        parent = notice.parent
-        assert parent is not None
-        notice._detach()  # as it is until the screen is drawn again
-        assert op.app.screen.get_widget_and_offset_at(x + 1, y) == (None, None)
-        notice._attach(parent)
-
-        await op.press("escape", "escape")
-        notice = await read_something(op)
-        x, y = notice.region.offset
         for _ in range(4):
             click(op.app, x + 1, y)
         await op.until(lambda: "something to read" not in op.text)
@@ -137,45 +103,6 @@ async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() ->
         assert "STOPPED: look for the cause" in op.text
         await op.press("escape")
         assert not isinstance(op.app.screen, AlarmList)
-
-
-async def test_a_terminal_of_one_cell_holds_every_dialog_and_themes_leave_stop() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
-        assert "^x" in op.text.splitlines()[-1]
-        await stop_works(op)
-
-        await op.press("escape", "escape")
-        for keys in (["f1"], ["ctrl+p"], ["A"], ["4", "enter"], ["4", "ctrl+s"]):
-            await op.press(*keys)
-            for size in (Size(1, 1), Size(120, 36)):
-                op.app.post_message(events.Resize(size, size))
-                await op.settle()
-            await op.press("escape")
-            await op.until(lambda: op.app.screen is op.app.main)
-        await stop_works(op)
-
-
-async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    laid_out: list[Size] = []
-    lay_out = MainScreen._refresh_layout
-
-    def counted(screen: MainScreen, size: Size | None = None, scroll: bool = False) -> None:
-        laid_out.append(screen.size)
-        assert len(laid_out) < 100, "for ever"
-        lay_out(screen, size, scroll)
-
-    async with console(*FAST) as op:
-        monkeypatch.setattr(MainScreen, "_refresh_layout", counted)
-        for size in (Size(100, 30), Size(90, 30)):  # as they come when a window is dragged
-            op.app.main.post_message(events.Resize(size, size))
-            op.app.main.post_message(events.Print("something else", stderr=True))
-        await op.settle()
-        assert op.app.main.size == (120, 36)  # what the terminal is
-        await stop_works(op)
 
 
 async def test_a_panel_that_has_no_room_any_more_keeps_no_focus() -> None:
