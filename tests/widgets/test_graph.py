@@ -124,27 +124,30 @@ async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back() -> None:
         assert it.main.graph.region.height >= 5
 
 
-async def test_it_costs_nothing_while_nothing_in_it_changes(
+async def test_panels_cost_nothing_while_nothing_in_them_changes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    clock = StandingClock()
-    async with front(NORMAL, clock, size=(160, 48)) as it:
+    hidden = NORMAL.parameters[0]._replace(name="use_sim_time", value=False, initial=False)
+    before = NORMAL._replace(parameters=(*NORMAL.parameters, hidden))
+    clock, drawn = StandingClock(), list[str]()
+    async with front(before, clock, size=(160, 48)) as it:
         await it.press("8")
-        drawn: list[object] = []
-        shown = it.main.graph.focus_target
-        monkeypatch.setattr(shown, "refresh", lambda *_, **__: drawn.append(1))
+        for panel in (it.main.graph.focus_target, it.main.parameters):
+            name = str(panel.id)
+            note = lambda *_, name=name, **__: drawn.append(name)  # noqa: E731
+            monkeypatch.setattr(panel, "refresh", note)
         for second in range(3):
             clock.passed += 1.0
             rates = {
                 name: rate._replace(heard=rate.heard + second)
                 for name, rate in NORMAL.message_rates.items()
             }
-            it.robot.put(NORMAL._replace(message_rates=rates))
+            it.robot.put(before._replace(message_rates=rates))
             await it.tick()
         assert drawn == []
         it.robot.put(NORMAL._replace(resources=NORMAL.resources[1:]))
         it.app.tick()
-        assert drawn
+        assert len({*drawn}) == 2
 
 
 async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
