@@ -14,11 +14,10 @@ from std_srvs.srv import SetBool
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.screen.commands.base import asking_first
-from archo_tui.verbs.verb import GOAL_ENDED, Question
+from archo_tui.verbs.verb import Question
 from tests.support.console import Console, console
-from tests.support.front import front
 from tests.support.stand_in import Made
-from tests.support.states import NORMAL, goal
+from tests.support.states import goal
 
 
 async def test_an_answer_is_for_the_values_and_the_goal_that_were_asked_about() -> None:
@@ -43,16 +42,6 @@ async def test_an_answer_is_for_the_values_and_the_goal_that_were_asked_about() 
     now[0] = 3.0
     assert (await ask_or_send({"x": 5})).ok
     assert sent == [{"x": 5}]
-
-
-async def test_a_yes_about_a_goal_that_has_just_ended_is_none() -> None:
-    told: list[str] = []
-    async with front(goal(Phase.MOVING)) as it:
-        it.robot.command = lambda *_: told.append("reset")
-        assert "Reset encoder now?" in await it.press("escape", "r")
-        it.robot.snapshot = NORMAL  # Nothing was drawn since.
-        assert f"Reset encoder: {GOAL_ENDED}" in await it.press("y")
-        assert told == []
 
 
 FILE = """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 from textual import events
 from textual.widgets import Input
@@ -56,24 +55,6 @@ async def test_the_way_left_is_shown_and_ctrl_c_or_the_button_cancels() -> None:
         await op.until("MOVING to 5")
         await op.pilot.click("#cancel")
         await op.until("✗ CANCELLED")
-
-
-async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
-    unlimited: Path,
-) -> None:
-    async with console(*FAST, robot=unlimited) as op:
-
-        def heard() -> bool:
-            events = op.app.view.snapshot.events
-            return any(event.source == "motor_controller" for event in events)
-
-        while not heard():  # on ROS 2 a node's log is found a moment after its services
-            await op.press("r")
-            await op.until("✓  reset encoder")
-        await op.press("g", "9", "9", "enter")
-        await op.until(": shelf 99 is not in 1 .. 40")
-        assert re.search(r"✗ REFUSED      at \d\d:\d\d:\d\d: shelf 99", op.text)
-        await op.until("last goals: ✗ 99 refused")
 
 
 async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
