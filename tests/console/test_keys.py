@@ -100,9 +100,6 @@ async def test_keys_of_dialogs_are_for_them_alone() -> None:
         await op.press("4", "slash", "f1")
         await op.until("Keys")
         assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
-        await op.type("encoder")
-        await op.until("Reset the encoder")
-        assert "Go to panel" not in op.text
         await op.press("f1")
         await op.until(lambda: op.app.screen is op.app.main)
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import gc
 import random
 from itertools import count
 from typing import Any
-from weakref import WeakSet
 
 import pytest
 from textual._compositor import ChopsUpdate, Compositor
-from textual._styles_cache import StylesCache
 from textual.screen import Screen
 
 from archo_tui.robot.state.events import Event
@@ -213,33 +210,3 @@ async def test_a_size_that_comes_while_the_machine_is_busy_is_followed(
         monkeypatch.setattr("textual._time.get_time", lambda: float(next(seconds)))
         await it.resize(80, 24)
         await it.until(lambda: it.app.screen._compositor.size == (80, 24))
-
-
-@pytest.mark.night
-async def test_of_dialogs_and_palettes_that_were_closed_no_line_is_kept(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    caches: WeakSet[StylesCache] = WeakSet()  # One for each widget whose lines were drawn.
-    create = StylesCache.__init__
-
-    def create_and_count(cache: StylesCache) -> None:
-        create(cache)
-        caches.add(cache)
-
-    monkeypatch.setattr(StylesCache, "__init__", create_and_count)
-    async with front() as it:
-
-        async def open_and_close() -> None:
-            for key in ("ctrl+p", "A", "question_mark"):
-                for pressed in (key, "escape"):
-                    await it.press(pressed)
-                    assert it.strips
-            assert it.app.screen is it.main
-
-        await open_and_close()
-        gc.collect()
-        before = len(caches)
-        for _ in range(3):
-            await open_and_close()
-        gc.collect()
-        assert 0 < len(caches) <= before + 2  # one more line may be drawn by now

@@ -242,7 +242,7 @@ async def test_a_topic_stands_beside_the_graph_where_there_is_room(
     await compare(request, "topic beside", NORMAL, "160x48", *keys)
 
 
-@pytest.mark.parametrize("locale", ["C.UTF-8", "C"])
+@pytest.mark.parametrize("locale", corners(["C.UTF-8"], ["C"]))
 async def test_the_history_stands_beside_the_panels_where_there_is_room(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, locale: str
 ) -> None:
@@ -322,6 +322,7 @@ async def test_a_large_screen_is_filled_as_accepted(
         await compare(request, name, snapshot, size, *keys, queue=queue, in_field=not keys)
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     ("name", "theme"),
     [("ascii", "textual-dark"), ("16 colours", "high-contrast"), ("light", "textual-light")],
