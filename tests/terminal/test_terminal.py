@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import contextlib
 import re
 import signal
 import time
@@ -111,24 +110,12 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start
         assert found is not None
         return float(found[1] or found[2])
 
-    def draw(seconds: float, *, reading: bool) -> tuple[int, float]:
-        """The whole screen ever anew; returns how often, and how long it took."""
-        began, toggles = time.monotonic(), 0
-        while time.monotonic() < began + seconds:
-            terminal.write("e")
-            toggles += 1
-            end = time.monotonic() + 0.04
-            while (left := end - time.monotonic()) > 0:
-                if reading:
-                    terminal.read(left)
-                else:
-                    time.sleep(left)
-        return toggles, time.monotonic() - began
-
-    before = read()
-    _, took = draw(2.0, reading=True)
-    first = read()
-    toggles, passed = draw(4.0, reading=False)
+    before, toggles = read(), 0
+    end = time.monotonic() + 4.0
+    while time.monotonic() < end:  # nobody reads
+        terminal.write("e")
+        toggles += 1
+        time.sleep(0.1)
     terminal.write("1")
     terminal.output = b""
 
@@ -138,10 +125,7 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start
 
     terminal.until(shows_the_time)
     assert len(terminal.output) < 3_000 * toggles, "what was not read has all been kept"
-    last = read()
-    # the ticks go on as while it was read, and are not 0: a busy machine gives each span its share,
-    # and what is shown may be some of them old; 0.02 % a tick of 0.05 s at most
-    assert (first - last) / passed > 0.25 * min((before - first) / took, 0.02 / 0.05)
+    assert before - read() > 0.3  # of 1.6: the ticks went on
     terminal.write("q")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
@@ -305,21 +289,6 @@ def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(start: Sta
     assert "/hanging did not stop: its callback does not return" in terminal.text
 
 
-def test_a_large_terminal_is_drawn_and_stays_alive(start: Start) -> None:
-    terminal = start(size=(380, 100))
-    terminal.write("?")
-    terminal.until("Show all keys")
-    terminal.write("\x1bOP")  # f1 closes it: no escape alone is needed
-    for width, height in ((120, 36), (300, 80)):
-        terminal.output = b""
-        terminal.resize(width, height)
-        terminal.until("1 Battery")
-    terminal.write("r")
-    terminal.until("reset encoder: Encoder reset to zero")
-    terminal.write("q")
-    assert terminal.exit_code() == 0
-
-
 def test_keys_from_the_first_moment_on_are_obeyed(start: Start) -> None:
     terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken, nothing is drawn yet
@@ -330,24 +299,11 @@ def test_keys_from_the_first_moment_on_are_obeyed(start: Start) -> None:
     assert "Traceback" not in terminal.text
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.02])
-def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(delay: float, start: Start) -> None:
+def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(start: Start) -> None:
     terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken
-    time.sleep(delay)
     terminal.kill(signal.SIGTERM)
     assert terminal.exit_code() == 128 + signal.SIGTERM
-    assert terminal.is_as_before()
-
-
-def test_ctrl_c_behind_ctrl_q_changes_nothing(start: Start) -> None:
-    terminal = start()
-    terminal.write("\x11")
-    time.sleep(0.05)
-    with contextlib.suppress(ProcessLookupError):
-        terminal.kill(signal.SIGINT)
-    assert terminal.exit_code() in (0, 128 + signal.SIGINT)
-    assert "Traceback" not in terminal.text
     assert terminal.is_as_before()
 
 
