@@ -12,14 +12,13 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from archo_tui.base.paths import journal_file
-from archo_tui.robot.stop.machine import OBEYED
 from archo_tui.robot.stop.sender import FIRST_FOUND
 from archo_tui.ros import engine
 from tests.support import chosen
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console, console_with
 from tests.support.plain import operated
-from tests.support.stand_in import Made, Other, StandIn
+from tests.support.stand_in import StandIn
 
 
 async def test_an_alarm_that_is_over_stays_until_acknowledged_by_key_or_click() -> None:
@@ -121,11 +120,9 @@ async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_onc
         assert op.text.count(reason) == 2  # in the banner and among the events
 
 
-DRIVES_ON = partial(StandIn, "drives_on", "yes", goals="drive")
-
-
 async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told() -> None:
-    async with console_with(DRIVES_ON, "move_to_shelf", "emergency_stop") as (op, node):
+    drives_on = partial(StandIn, "drives_on", "yes", goals="drive")
+    async with console_with(drives_on, "move_to_shelf", "emergency_stop") as (op, node):
         node.drives_on = True
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
@@ -139,21 +136,6 @@ async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told
         await op.until("STOPPED: look for the cause   +1 alarm")
         await op.press("a")
         await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
-
-
-async def test_another_clients_goal_that_outlives_a_stop_is_told_and_left_alone() -> None:
-    drives_on, other = Made(DRIVES_ON), Made(Other)
-    async with console(node_makers=[drives_on, other], wait=False) as op:
-        await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
-        await op.until(other.node.client.server_is_ready)
-        other.node.go(shelf=12)
-        await op.until("MOVING (another client's goal)")
-        await op.at(seconds() + 0.5)
-        await op.press("ctrl+x")
-        await op.until("✗ STOP WAS ANSWERED, BUT another client's goal STILL RUNS: use the")
-        await op.at(drives_on.node.stops[-1] + 5 * OBEYED)
-        assert drives_on.node.cancels == []
-        assert "STILL RUNS" in op.text
 
 
 def alarm_names(op: Console) -> list[str]:

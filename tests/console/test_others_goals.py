@@ -86,12 +86,6 @@ async def test_what_would_touch_another_clients_goal_asks_first() -> None:
         await op.until("MOVING (another client's goal)")
         await op.press("r")
         await op.until("The robot is carrying out another client's goal. Reset")
-        await op.press("n", "q")
-        await op.until("the nodes of this console would")
-        await op.press("n", "5", "home", "down", "down", "s")
-        await op.until("carrying out another client's goal, and")
-        await op.press("n", "ctrl+z")
-        await op.until("its nodes would")
         await op.press("n")
         await op.settle()
         assert other.told == []
@@ -270,6 +264,8 @@ async def test_watching_shows_everything_and_commands_nothing() -> None:
     async with console(*LONG, node_makers=[*ROBOT, other], watch=True) as op:
         await op.until(other.node.client.server_is_ready)
         assert "watching" in op.line(" ARCHO ")
+        assert not op.app.main.starts_in_field
+        assert op.focused_panel == 4
         own = op.session.robot.node
         clients = {client.service_name for client in own.clients}
         assert not any("send_goal" in name or "cancel_goal" in name for name in clients)

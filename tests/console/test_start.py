@@ -59,12 +59,6 @@ async def test_a_field_out_of_sight_has_no_focus_and_typing_in_one_shows_it() ->
         assert "STOP" in shown
 
 
-async def test_a_console_that_watches_starts_in_a_list() -> None:
-    async with console(*FAST, watch=True) as op:
-        assert not op.app.main.starts_in_field
-        assert op.focused_panel == 4
-
-
 def test_a_form_that_takes_text_does_not_have_the_focus_at_the_start() -> None:
     """In such a field no letter would be a command."""
     panel = stub_app(NORMAL).main.goal
