@@ -10,7 +10,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -259,6 +259,21 @@ def terminals() -> Iterator[list[Terminal]]:
     yield made
     for terminal in made:
         terminal.close()
+
+
+@pytest.fixture
+def start(terminals: list[Terminal]) -> Callable[..., Terminal]:
+    """Start the console, and wait until it shows that text; it is closed at the end."""
+
+    from tests.support import terminal  # needs POSIX
+
+    def started(*words: str, shows: str = "max_speed", **options: Any) -> Terminal:
+        terminals.append(terminal.Terminal(*words, **options))
+        if shows:
+            terminals[-1].until(shows)
+        return terminals[-1]
+
+    return started
 
 
 @pytest.fixture

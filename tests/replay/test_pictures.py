@@ -13,8 +13,8 @@ from archo_tui.recordings.console import JOURNAL, STATE, to_json
 from tests.replay.recorded import replay
 from tests.support.bags import received, write
 from tests.support.clock import TIME
+from tests.support.front import differs, steady
 from tests.support.night import corners
-from tests.support.pictures import differs, steady
 from tests.support.states import STATES
 from tests.support.stub import StandingClock, stub_app
 

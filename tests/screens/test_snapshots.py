@@ -19,9 +19,8 @@ from archo_tui.station.alarms import AlarmBoard
 from archo_tui.station.history import History
 from tests.support.archo import SHELF
 from tests.support.clock import TIME
-from tests.support.front import Front, front, front_of, reset_main
+from tests.support.front import Front, differs, front, front_of, reset_main, steady
 from tests.support.night import corners
-from tests.support.pictures import differs, steady
 from tests.support.states import ARRIVED, CANCELLED, NORMAL, STATES, ended, past
 from tests.support.stub import StandingClock, stub_app
 
