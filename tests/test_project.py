@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tests import mutants, recording, stubs
+from tests import mutants, screenshot, stubs
 
 ROOT = Path(__file__).parent.parent
 
@@ -51,7 +51,7 @@ def test_pydoc_knows_the_operators_verbs() -> None:
 def test_the_recorded_session_is_a_picture_that_a_page_loads_at_once() -> None:
     recorded = (ROOT / "session.svg").read_bytes()
     assert ElementTree.fromstring(recorded).get("viewBox")
-    assert len(recorded) < recording.MOST
+    assert len(recorded) < screenshot.MOST
 
 
 def test_each_room_has_tests_that_are_to_notice_its_faults() -> None:

@@ -322,7 +322,7 @@ def test_graver_notices_stay_longer_and_a_refusal_for_8_s() -> None:
     assert DURATIONS["information"] < DURATIONS["warning"] == 8 < DURATIONS["error"]
 
 
-def test_of_more_than_three_the_oldest_of_the_least_grave_goes_and_equal_ones_are_one() -> None:
+def test_of_four_notices_the_oldest_of_the_least_grave_goes_equal_ones_are_one() -> None:
     shown: list[Notice] = []
     for text, severity in (("lost", "error"), ("saved", "information"), ("sent", "information")):
         shown = with_newest(shown, notice(text, severity))  # type: ignore[arg-type]
