@@ -7,9 +7,7 @@ from functools import partial
 from typing import Any
 
 import pytest
-from builtin_interfaces.msg import Time
 from rclpy.node import Node
-from rosgraph_msgs.msg import Clock
 
 from archo_tui.base.paths import journal_file
 from archo_tui.robot.stop.sender import FIRST_FOUND
@@ -17,7 +15,6 @@ from archo_tui.ros import engine
 from tests.support import chosen
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console, console_with
-from tests.support.plain import operated
 from tests.support.stand_in import StandIn
 
 
@@ -152,44 +149,14 @@ async def test_without_any_node_the_banner_says_where_was_looked() -> None:
             await op.until(f"NO NODES on domain {op.session.options.domain_id} (rmw_")
 
 
-async def test_line_by_line_it_is_an_alarm_too() -> None:
-    async with operated(only=True) as person:
-        await person.until("alarm unacknowledged: NO NODES ")
-
-
-class Clocked(Node):
-    """Publishes simulated time."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("simulator", **options)
-        clock = self.create_publisher(Clock, "/clock", 1)
-        self.create_timer(0.5, lambda: clock.publish(Clock(clock=Time(sec=1))))
-
-
-class Waiting(Node):
-    """Waits for it."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("waiting", **options)
-
-
 async def test_a_node_whose_simulated_time_has_no_clock_is_named() -> None:
-    async with console(node_makers=[Waiting], wait=False) as op:
+    async with console(node_makers=[partial(Node, "waiting")], wait=False) as op:
         await op.until(lambda: op.app.view.snapshot.parameters)
         assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": True})).ok
         await op.until("NO CLOCK for /waiting: use_sim_time is true and nobody publishes /clock")
         assert alarm_names(op) == ["no clock"]
         assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": False})).ok
         await op.until("was: NO CLOCK for /waiting")
-
-
-async def test_with_a_clock_simulated_time_is_no_alarm() -> None:
-    async with console(*FAST, node_makers=[Waiting, Clocked], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.parameters) >= 2)
-        assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": True})).ok
-        await op.until(lambda: op.app.view.snapshot.has_clock)
-        await op.at(op.app.station.clock.monotonic() + 18.0)
-        assert alarm_names(op) == []
 
 
 @pytest.mark.parametrize(

@@ -226,19 +226,6 @@ async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(ke
         await op.until(lambda: len(_said(op)) == 2)
 
 
-async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
-    unlimited: Path,
-) -> None:
-    async with console(*FAST, robot=unlimited) as op:
-        await op.press("g")
-        await op.type("99")
-        op.send(*["enter"] * 10)
-        await op.until("✗ REFUSED")
-        await op.until(lambda: _said(op))  # the screen shows it before the verb has ended
-        await op.settle()
-        assert len(_said(op)) == 1
-
-
 async def test_a_stop_that_a_watching_console_refuses_leaves_nothing_to_be_answered() -> None:
     async with console(*FAST, watch=True) as op:
         await op.press("ctrl+x")

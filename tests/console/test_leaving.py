@@ -129,19 +129,6 @@ async def test_an_answer_is_chosen_by_arrows_or_by_its_first_letter() -> None:
         assert "cancelled" in said, keys
 
 
-async def test_a_goal_that_left_just_before_quitting_is_cancelled() -> None:
-    async with front(NORMAL) as it:
-        said = noted(it)
-
-        async def stop_sending_goals() -> None:
-            it.robot.snapshot = MOVING  # it is heard of only now
-
-        it.robot.stop_sending_goals = stop_sending_goals
-        await it.press("q")
-        assert not it.app.is_running
-    assert said == ["quit: cancelling the goal to shelf 12", "cancelled"]
-
-
 @pytest.mark.parametrize("end", ["ctrl+q", "SIGTERM"])
 async def test_the_end_waits_for_the_answer_to_a_stop(end: str) -> None:
     async with front(NORMAL) as it:

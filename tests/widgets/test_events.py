@@ -13,7 +13,6 @@ from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.screen.widgets.events_panel import event_lines, events_as_text
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import fault_text
-from tests.support.clock import seconds
 from tests.support.console import FAST, console
 from tests.support.states import STATES, plain_text
 
@@ -82,23 +81,8 @@ async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> Non
         assert op.focused_panel == 6
 
 
-async def test_a_repeated_warning_is_the_newest_and_page_keys_move_by_pages() -> None:
+async def test_page_keys_move_by_pages() -> None:
     async with console(*FAST) as op:
-        note = op.app.station.robot.note
-        note("WARN", "a", "first kind 1.0")
-        await op.until("first kind 1.0")
-        first = op.line("first kind")[2:10]
-        await op.at(seconds() + 5)
-        note("WARN", "b", "second kind")
-        await op.until("second kind")
-        await op.at(seconds() + 5)
-        note("WARN", "a", "first kind 2.0")
-        await op.until(f"first kind 2.0   x 2 since {first}")
-        lines = [line for line in op.text.splitlines() if " kind" in line]
-        assert ["first" in line for line in lines] == [True, False]  # the newest on top
-        assert lines[0][2:10] > lines[1][2:10] > first
-
-        await op.press("escape", "escape")
         for number in range(60):
             op.app.station.robot.note("YOU", "console", f"line {'x' * number}")
         await op.until(f"line {'x' * 59}")

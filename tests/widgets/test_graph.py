@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
-from rclpy.node import Node
-from std_srvs.srv import Trigger
 
-from archo_tui.robot.state.graph import Resource
 from tests.support import clock
 from tests.support.console import FAST, Console, console
 from tests.support.front import front
@@ -62,29 +57,6 @@ async def test_the_rate_of_what_the_console_hears_is_there_and_its_silence() -> 
         await op.press("escape", "5", "home", "s", "8")
         await op.until(lambda: "battery_monitor" in op.line("/set_charging"))
         await op.until(lambda: "Hz" in op.line("/battery_level"))
-
-
-async def test_a_server_is_seen_that_comes_behind_its_client() -> None:
-    class Asks(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("asks", **options)
-            self.create_client(Trigger, "tidy_up")
-
-    async with console(*FAST, node_makers=[Asks], wait=False) as op:
-        await op.until("● asks")
-        await op.press("8")
-        await op.until("? nothing on the graph")
-        other = Node("tidy", context=op.session.context)
-        other.create_service(Trigger, "tidy_up", lambda _, response: response)
-        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy" in op.words)
-        second = Node("tidy_2", context=op.session.context)
-        second.create_service(Trigger, "tidy_up", lambda _, response: response)
-        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy, tidy_2" in op.words)
-        other.destroy_node()
-        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy_2" in op.words)
-        second.create_service(Trigger, "sweep", lambda _, response: response)
-        await op.until(lambda: "/sweep std_srvs/srv/Trigger tidy_2" in op.words)
-        second.destroy_node()
 
 
 async def test_enter_shows_all_that_is_known_of_one() -> None:
@@ -178,12 +150,3 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
         await it.write("4", "slash", *"gain_7")  # moves nothing
         assert len(main.parameters.rows.items) == 1
         assert main.parameters.region.height == height
-
-
-async def test_who_hears_nothing_stands_below_its_topic() -> None:
-    said = "viewer hears nothing of lidar on /scan: it asks for RELIABLE, published is BEST_EFFORT."
-    scan = Resource("topic", "/scan", ("sensor_msgs/msg/LaserScan",), ("/lidar",), (said,))
-    async with front(NORMAL._replace(resources=(scan, *NORMAL.resources))) as it:
-        await it.press("8")
-        below = it.main.graph.focus_target.render_line(1).text.strip()
-        assert below.startswith("viewer hears nothing of lidar on /scan")
