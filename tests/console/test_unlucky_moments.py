@@ -6,14 +6,17 @@ import asyncio
 from contextvars import Context
 from unittest.mock import patch
 
+import pytest
 from textual import events
 from textual.errors import NoWidget
 from textual.geometry import Size
 from textual.widgets import Input
 
+from archo_tui.screen.choose import ChoiceRows
 from archo_tui.screen.commands.alarms import AlarmList
 from archo_tui.screen.commands.help import Help
 from archo_tui.screen.commands.palette import CommandPalette
+from archo_tui.screen.main import MainScreen
 from archo_tui.screen.widgets.bars import NoticeLine
 from tests.support.console import FAST, Console, click, console
 
@@ -69,6 +72,28 @@ async def test_palette_and_help_over_each_other_go_as_they_came() -> None:
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
 
+        await op.press("f1")
+        help_screen = op.app.screen
+        await op.press("escape")
+        assert isinstance(help_screen, Help)
+        assert not help_screen.children
+        help_screen._draw()
+
+        op.send("ctrl+p", "pagedown", "pageup")
+        await op.settle()
+        await op.type("zzz")
+        await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+        await op.press("ctrl+p")
+        rows = op.app.screen.query_one(ChoiceRows)
+        x, y = rows.region.offset
+        await op.type("zzz")
+        for at in (y, y + 2, 999):  # 999: beyond the terminal
+            rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
+        await op.settle()
+        assert isinstance(op.app.screen, CommandPalette)
         await stop_works(op)
 
 
@@ -88,6 +113,15 @@ async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() ->
     async with console(*FAST) as op:
         notice = await read_something(op)
         x, y = notice.region.offset
+        parent = notice.parent
+        assert parent is not None
+        notice._detach()  # as it is until the screen is drawn again
+        assert op.app.screen.get_widget_and_offset_at(x + 1, y) == (None, None)
+        notice._attach(parent)
+
+        await op.press("escape", "escape")
+        notice = await read_something(op)
+        x, y = notice.region.offset
         for _ in range(4):
             click(op.app, x + 1, y)
         await op.until(lambda: "something to read" not in op.text)
@@ -103,6 +137,27 @@ async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() ->
         assert "STOPPED: look for the cause" in op.text
         await op.press("escape")
         assert not isinstance(op.app.screen, AlarmList)
+
+
+async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    laid_out: list[Size] = []
+    lay_out = MainScreen._refresh_layout
+
+    def counted(screen: MainScreen, size: Size | None = None, scroll: bool = False) -> None:
+        laid_out.append(screen.size)
+        assert len(laid_out) < 100, "for ever"
+        lay_out(screen, size, scroll)
+
+    async with console(*FAST) as op:
+        monkeypatch.setattr(MainScreen, "_refresh_layout", counted)
+        for size in (Size(100, 30), Size(90, 30)):  # as they come when a window is dragged
+            op.app.main.post_message(events.Resize(size, size))
+            op.app.main.post_message(events.Print("something else", stderr=True))
+        await op.settle()
+        assert op.app.main.size == (120, 36)  # what the terminal is
+        await stop_works(op)
 
 
 async def test_a_panel_that_has_no_room_any_more_keeps_no_focus() -> None:
