@@ -484,24 +484,6 @@ def test_a_file_that_changes_while_it_is_read_gives_what_is_there(tmp_path: Path
     assert "was not found" in gone.faults[0]
 
 
-def test_a_disk_that_fails_is_said_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = written(tmp_path / "a.mcap", drive())
-    found = BagFile(path)
-
-    def fail(*_: Any) -> Any:
-        raise OSError(5, "Input/output error")
-
-    with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.recordings.replay.mcap_file._read_part", fail)
-        assert read(found) == []
-    assert found.faults == ["a.mcap: Input/output error"]
-    with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.recordings.replay.mcap_file.Index.fill", fail)
-        assert BagFile(path).faults == ["a.mcap: Input/output error: the rest is left out"]
-
-
 PARTS = ["a/recording_1.mcap", "recording_2.mcap.zstd", "x" * 300 + ".mcap", "notes.txt", "7"]
 
 

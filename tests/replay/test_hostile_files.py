@@ -261,16 +261,6 @@ def test_what_is_odd_is_skipped_and_what_is_lost_is_told(
     assert set(found.types) == {"/rosout"}
 
 
-def test_absurd_times_are_kept_in_their_order(tmp_path: Path) -> None:
-    times = [2**63, 0, 2**64 - 1, 10**18]
-    parts = [message(1, time, log(str(time))) for time in times]
-    found = BagFile(logs(tmp_path / "a.mcap", *parts))
-    assert words(found) == [str(time) for time in sorted(times)]
-    assert (found.start, found.end) == (0.0, (2**64 - 1) / 1e9)
-    for bounds in ((float("nan"), 1.0), (0.0, float("nan")), (float("inf"), -1.0)):
-        list(found.messages(*bounds, {"/rosout"}))
-
-
 def many_channels() -> list[bytes]:
     return [channel(n, n % 3, f"/topic_{n}" + "x" * 400) for n in range(20_000)]
 

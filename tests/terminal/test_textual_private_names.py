@@ -41,9 +41,14 @@ _DEFINED = re.compile(
 )
 
 
+@cache
+def names_in(file: Path) -> set[str]:
+    return {*_DEFINED.findall(file.read_text(encoding="utf-8"))}
+
+
 def defined_in(*files: Path) -> set[str]:
     """The private names that sources define: functions, classes, attributes."""
-    return {name for file in files for name in _DEFINED.findall(file.read_text(encoding="utf-8"))}
+    return set().union(*map(names_in, files))
 
 
 @cache

@@ -86,28 +86,6 @@ def test_where_stop_cannot_be_sent_the_motor_says_so() -> None:
     assert plain_text(motion_word(NORMAL, NOW, 200)) == "● IDLE"
 
 
-async def test_ten_dashboards_and_nobody_notices() -> None:
-    async with console(*FAST, size=(120, 60)) as op:
-        await select(op, "/dashboard")
-        for _ in range(9):
-            await op.press("plus")
-        await op.until("● dashboard_10")
-        states = op.app.station.host.states()
-        assert sum(s.name.startswith("/dashboard") and s.life is Life.UP for s in states) == 10
-        await op.until(
-            lambda: (
-                sum(n.name.startswith("/dashboard") and n.heard is not None for n in _nodes(op))
-                == 10
-            )
-        )
-        await op.press("g", "7", "enter")
-        await op.until("Arrived at shelf 7")
-
-
-def _nodes(op: Console) -> Any:
-    return op.app.view.snapshot.nodes
-
-
 async def test_stopping_what_drives_is_asked_about_alone_and_its_goal_is_lost() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
