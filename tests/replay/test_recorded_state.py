@@ -131,17 +131,17 @@ def test_each_field_of_a_snapshot_comes_by_the_state_or_by_messages() -> None:
     assert [name for name, value in told(0.0).items() if value == getattr(default, name)] == []
 
 
-@pytest.mark.parametrize("name", told(0.0))
-def test_each_recorded_field_is_shown_in_a_replay(name: str) -> None:
+def test_each_recorded_field_is_shown_in_a_replay() -> None:
     shown = replayed(view_of(Snapshot(**told(0.0)))).snapshot
-    assert getattr(shown, name) == told(SINCE)[name]
+    wanted = told(SINCE)
+    assert {name: getattr(shown, name) for name in wanted} == wanted
 
 
-@pytest.mark.parametrize("name", sorted({*told(0.0)} - {"events", "charge", "message_rates"}))
-def test_a_field_that_changes_is_recorded_at_once(name: str) -> None:
-    before = view_of(Snapshot())
-    after = view_of(Snapshot(**{name: told(0.0)[name]}))
-    assert change_key(before) != change_key(after)
+def test_a_field_that_changes_is_recorded_at_once() -> None:
+    before = change_key(view_of(Snapshot()))
+    at_once = {n: v for n, v in told(0.0).items() if n not in ("events", "charge", "message_rates")}
+    for name, value in at_once.items():
+        assert change_key(view_of(Snapshot(**{name: value}))) != before, name
 
 
 def test_what_only_the_station_knows_is_recorded_too() -> None:

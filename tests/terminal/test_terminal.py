@@ -331,11 +331,18 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(start: Start) -> None:
     assert crashes() == 3
 
 
-FAILS_AND_GIVES_UP_LATER = """
+FAIL_ONCE = """
 from archo_tui.screen.main import MainScreen
-def fail(self, view, commands):
-    raise ZeroDivisionError("of the screen")
-MainScreen.show = fail
+show, failures = MainScreen.show, [0]
+def failing(self, view, commands):
+    if view.snapshot.goal is not None and not failures[0]:
+        failures[0] = 1
+        raise ZeroDivisionError("of the screen")
+    show(self, view, commands)
+MainScreen.show = failing
+"""
+FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
+GIVES_UP_LATER = """
 import pathlib, time
 from archo_tui.cli import console
 before = console._give_up
@@ -352,7 +359,7 @@ def test_a_stop_typed_behind_the_third_failure_is_sent(
     start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    terminal = start(code=FAILS_AND_GIVES_UP_LATER, shows="")
+    terminal = start(code=FAIL_ALWAYS + GIVES_UP_LATER, shows="")
     terminal.until((tmp_path / "waits").exists)
     terminal.write("\x18")
     (tmp_path / "go").touch()
