@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import random
 from itertools import count
 from typing import Any
+from weakref import WeakSet
 
 import pytest
 from textual._compositor import ChopsUpdate, Compositor
+from textual._styles_cache import StylesCache
 from textual.screen import Screen
 
 from archo_tui.robot.state.events import Event
@@ -210,3 +213,21 @@ async def test_a_size_that_comes_while_the_machine_is_busy_is_followed(
         monkeypatch.setattr("textual._time.get_time", lambda: float(next(seconds)))
         await it.resize(80, 24)
         await it.until(lambda: it.app.screen._compositor.size == (80, 24))
+
+
+@pytest.mark.night
+async def test_of_dialogs_that_were_closed_no_line_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    caches: WeakSet[StylesCache] = WeakSet()  # One for each widget whose lines were drawn.
+    create, counts = StylesCache.__init__, list[int]()
+
+    def create_and_count(cache: StylesCache) -> None:
+        create(cache)
+        caches.add(cache)
+
+    monkeypatch.setattr(StylesCache, "__init__", create_and_count)
+    async with front() as it:
+        for _ in range(4):
+            await it.press("ctrl+p", "escape", "A", "escape", "question_mark", "escape")
+            gc.collect()
+            counts.append(len(caches))
+    assert 0 < counts[-1] <= counts[0] + 2, counts  # one more line may be drawn by now
