@@ -471,8 +471,8 @@ async def test_the_palette_says_what_can_be_done_now_with_refusals_below() -> No
         line = op.line("Release the stop")
         assert line.rstrip(" ┃").endswith("the robot is not stopped"), line
         await op.press(*["backspace"] * 7)
-        refused = [bool(one.reason) for one in op.app.screen.query_one(ChoiceRows).items]
-        assert refused == sorted(refused)
+        unable = [bool(one.reason) for one in op.app.screen.query_one(ChoiceRows).items]
+        assert unable == sorted(unable)
         await op.press("escape", "ctrl+x")
         await op.until("R releases")
         await op.press("ctrl+p")

@@ -146,7 +146,7 @@ async def test_without_any_node_the_banner_says_where_was_looked() -> None:
         if chosen.ENGINE == "embedded":
             await op.until("NO NODES in this process: give one by --node FILE")
         else:
-            await op.until(f"NO NODES on domain {op.session.options.domain_id} (rmw_")
+            await op.until(f"NO NODES on domain {op.session.options.domain_id}")
 
 
 async def test_a_node_whose_simulated_time_has_no_clock_is_named() -> None:
