@@ -176,22 +176,10 @@ def _freed() -> Iterator[None]:
     textual_once.free_all()
 
 
-@pytest.fixture(scope="session")
-def _sockets() -> Iterator[str]:
-    """A folder of this process: a socket's path has 107 bytes at most."""
-    folder = tempfile.mkdtemp(prefix="at", dir="/tmp")
-    yield folder
-    shutil.rmtree(folder, ignore_errors=True)
-
-
 @pytest.fixture(autouse=True)
 def _own_folders(
-    request: pytest.FixtureRequest,
-    _freed: None,
-    _sockets: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    request: pytest.FixtureRequest, _freed: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[None]:
     """What the console remembers stays in the test.
 
     rosidl checks fields where the engines are compared, and nowhere else: the console runs as its
@@ -201,12 +189,15 @@ def _own_folders(
     monkeypatch.setenv("XDG_CONFIG_HOME", f"{tmp_path}/config")
     monkeypatch.setenv("XDG_STATE_HOME", f"{tmp_path}/state")
     # no test may reach a console that runs beside it
-    monkeypatch.setenv("ARCHO_TUI_SOCKETS", f"{_sockets}/{next(_numbers)}")
+    sockets = tempfile.mkdtemp(prefix="at", dir="/tmp")  # a socket's path has 107 bytes at most
+    monkeypatch.setenv("ARCHO_TUI_SOCKETS", f"{sockets}/s")
     checks = "1" if "contract" in request.path.parts else ""
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", checks)
     for module in list(sys.modules.values()) if chosen.ENGINE == "ros2" else ():
         if "ros_python_check_fields" in vars(module):
             vars(module)["ros_python_check_fields"] = checks
+    yield
+    shutil.rmtree(sockets, ignore_errors=True)
 
 
 @pytest.fixture
