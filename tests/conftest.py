@@ -10,7 +10,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -71,7 +71,7 @@ _POSIX = {
     *("test_terminal", "test_journal", "test_own_interfaces", "test_cli"),
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_two_processes"),
-    *("test_stop_is_final", "test_terminal_keys", "test_walk_with_stops"),
+    *("test_stop_is_final", "test_walk_with_stops"),
     *("test_shell", "test_hostile", "test_beside_a_screen", "test_pages", "test_python"),
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
     *("test_tools", "test_with_a_console", "test_connection"),
@@ -259,6 +259,21 @@ def terminals() -> Iterator[list[Terminal]]:
     yield made
     for terminal in made:
         terminal.close()
+
+
+@pytest.fixture
+def start(terminals: list[Terminal]) -> Callable[..., Terminal]:
+    """Start the console, and wait until it shows that text; it is closed at the end."""
+
+    from tests.support import terminal  # needs POSIX
+
+    def started(*words: str, shows: str = "max_speed", **options: Any) -> Terminal:
+        terminals.append(terminal.Terminal(*words, **options))
+        if shows:
+            terminals[-1].until(shows)
+        return terminals[-1]
+
+    return started
 
 
 @pytest.fixture

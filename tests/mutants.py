@@ -30,18 +30,18 @@ NESTED = ("base", "ros", "screen", "user_code")
 # The tests of a room, a folder of archo_tui/, are in the folder of the same name, but for these.
 TESTS = {
     "archo_tui": "client test_cli.py",
-    "base": "test_clock.py test_collector.py test_imports.py test_other_systems.py station",
+    "base": "test_clock.py test_collector.py test_project.py test_other_systems.py station",
     "check": "chapter",
     "cli": "test_cli.py test_docs.py client/test_completions.py client/test_options.py",
     "client": "client assistant",
     "console": "plain client",
     "embedded": "contract embedded",
     "recordings": "black_box replay",
-    "ros": "embedded test_ros2_commands.py",
+    "ros": "embedded test_docs.py",
     "ros_launch": "launch",
     "screen": "console screens",
     "commands": "commands widgets",
-    "session": "nodes test_cli.py user_code station black_box console/test_restarting.py"
+    "session": "nodes test_cli.py user_code station black_box console/test_leaving.py"
     " client/test_beside_a_screen.py",
     "station": "station parameters",
     "text": "verbs widgets",

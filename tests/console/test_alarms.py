@@ -1,4 +1,4 @@
-"""The operator and the alarms: banner, list, acknowledging, shelving."""
+"""The operator and the alarms: banner, list, acknowledging, shelving; when nothing is found."""
 
 from __future__ import annotations
 
@@ -7,18 +7,14 @@ from functools import partial
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.base.paths import journal_file
-from archo_tui.robot.stop.machine import OBEYED
 from archo_tui.robot.stop.sender import FIRST_FOUND
+from archo_tui.ros import engine
+from tests.support import chosen
 from tests.support.clock import seconds
-from tests.support.console import FAST, click, console
-from tests.support.ros import begin
+from tests.support.console import FAST, Console, click, console, console_with
 from tests.support.stand_in import StandIn
 
 
@@ -104,39 +100,6 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_that_the_journal_keeps() -
     assert reasons == ["a test", "again"]
 
 
-class DrivesOn(Node):
-    """Answers a STOP and drives on until its goal is cancelled; can send itself a goal."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("drives_on", **options)
-        self.answered = 0.0
-        self.cancelled: list[float] = []
-        self.heeds = True
-        self.create_service(EmergencyStop, "emergency_stop", self.stop)
-        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
-        ActionServer(
-            self, MoveToShelf, "move_to_shelf", self.execute, cancel_callback=self.on_cancel
-        )
-        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
-
-    def stop(self, request: Any, response: Any) -> Any:
-        self.answered = seconds()
-        response.success, response.message = True, "Stopped"
-        return response
-
-    def on_cancel(self, request: Any) -> CancelResponse:
-        self.cancelled.append(seconds())
-        if self.heeds:
-            self.end.set_result(True)
-        return CancelResponse.ACCEPT
-
-    async def execute(self, goal: Any) -> Any:
-        self.end: Future[bool] = Future()
-        await self.end
-        goal.canceled()
-        return MoveToShelf.Result(final_message="Cancelled at last")
-
-
 async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_once() -> None:
     async with console(node_makers=[partial(StandIn, "no_stop", moving=True)], wait=False) as op:
         await op.until("● online")
@@ -155,35 +118,68 @@ async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_onc
 
 
 async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told() -> None:
-    async with console(node_makers=[DrivesOn], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
-        (node,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(node, DrivesOn)
-        node.heeds = False
+    drives_on = partial(StandIn, "drives_on", "yes", goals="drive")
+    async with console_with(drives_on, "move_to_shelf", "emergency_stop") as (op, node):
+        node.drives_on = True
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.at(seconds() + 0.5)
         await op.press("ctrl+x")
         await op.until("✗ STOP WAS ANSWERED, BUT shelf 12 STILL RUNS: use the hardware stop")
-        await op.until(lambda: node.cancelled)
-        assert node.cancelled[0] - node.answered == pytest.approx(0.3, abs=0.3)
-        begin(node, node.end.set_result, True)
-        await op.until("Cancelled at last")
+        await op.until(lambda: node.cancels)
+        assert node.cancels[0] - node.stops[0] == pytest.approx(0.3, abs=0.3)
+        node.drives_on = False
+        await op.until("called back")
         await op.until("STOPPED: look for the cause   +1 alarm")
         await op.press("a")
         await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
 
 
-async def test_another_clients_goal_that_outlives_a_stop_is_told_and_left_alone() -> None:
-    async with console(node_makers=[DrivesOn], wait=False) as op:
-        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
-        (node,) = (hosted.node for hosted in op.session.host.nodes)
-        assert isinstance(node, DrivesOn)
-        begin(node, node.client.send_goal_async, MoveToShelf.Goal(shelf_number=12))
-        await op.until("MOVING (another client's goal)")
-        await op.at(seconds() + 0.5)
-        await op.press("ctrl+x")
-        await op.until("✗ STOP WAS ANSWERED, BUT another client's goal STILL RUNS: use the")
-        await op.at(node.answered + 5 * OBEYED)
-        assert node.cancelled == []
-        assert "STILL RUNS" in op.text
+def alarm_names(op: Console) -> list[str]:
+    return [alarm.name for alarm in op.app.view.alarms]
+
+
+async def test_without_any_node_the_banner_says_where_was_looked() -> None:
+    async with console(only=True, wait=False) as op:
+        await op.until("NO NODES ")
+        assert alarm_names(op) == ["no nodes"]
+        if chosen.ENGINE == "embedded":
+            await op.until("NO NODES in this process: give one by --node FILE")
+        else:
+            await op.until(f"NO NODES on domain {op.session.options.domain_id}")
+
+
+async def test_a_node_whose_simulated_time_has_no_clock_is_named() -> None:
+    async with console(node_makers=[partial(Node, "waiting")], wait=False) as op:
+        await op.until(lambda: op.app.view.snapshot.parameters)
+        assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": True})).ok
+        await op.until("NO CLOCK for /waiting: use_sim_time is true and nobody publishes /clock")
+        assert alarm_names(op) == ["no clock"]
+        assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": False})).ok
+        await op.until("was: NO CLOCK for /waiting")
+
+
+@pytest.mark.parametrize(
+    ("variables", "reach", "tries"),
+    [
+        ({}, "SUBNET", "start the robot, or match its ROS_DOMAIN_ID (`archo-tui look` tries 0 to"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, "LOCALHOST", "for a robot elsewhere set"),
+        ({"ROS_LOCALHOST_ONLY": "1"}, "LOCALHOST", "for a robot elsewhere unset ROS_LOCAL"),
+    ],
+)
+def test_what_to_try_depends_on_how_far_was_looked(
+    variables: dict[str, str], reach: str, tries: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+
+    class Context:
+        def get_domain_id(self) -> int:
+            return 42
+
+    context: Any = Context()
+    said = engine.no_node_hint(engine.ROS2, context)
+    assert said.startswith("on domain 42 (")
+    assert f", discovery {reach}): {tries}" in said

@@ -1,32 +1,31 @@
-"""Focus, keys, help: the keyboard leads everywhere and back."""
+"""Focus, keys, help, fields: the keyboard leads everywhere and back."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from rclpy.node import Node
+from textual import events
+from textual._compositor import Compositor
 from textual.events import MouseDown, MouseUp
+from textual.geometry import Size
+from textual.screen import Screen
 from textual.widgets import Input
 
-from archo_tui.base.paths import config_file
 from archo_tui.screen.commands.base import PanelKey
-from archo_tui.screen.terminal import themes
+from archo_tui.screen.commands.parameters import EditParameter
 from archo_tui.screen.terminal.stop_marks import dispatch
+from archo_tui.screen.widgets.bars import FooterKey, footer
+from archo_tui.screen.widgets.field import Field
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, PANEL_KEYS, Console, console, key_event
 from tests.support.night import corners
 from tests.support.stand_in import Made, StandIn
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
-
-
-class Nobody(Node):
-    """Offers nothing."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("nobody", **options)
 
 
 async def test_numbers_and_tab_walk_through_the_panels_and_escape_leads_back() -> None:
@@ -74,15 +73,6 @@ async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_
         await op.until("the robot is not stopped")
         assert op.app.screen is op.app.main  # and nothing is asked
 
-        await op.press("escape")
-        await op.press("ctrl+p")
-        await op.type("reset the")
-        await op.until("Reset the encoder to zero")
-        await op.press("enter")
-        await op.until("reset encoder: Encoder reset to zero")
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
-
 
 async def test_keys_of_dialogs_are_for_them_alone() -> None:
     async with console(*FAST) as op:
@@ -117,9 +107,6 @@ async def test_keys_of_dialogs_are_for_them_alone() -> None:
         await op.press("4", "slash", "f1")
         await op.until("Keys")
         assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
-        await op.type("encoder")
-        await op.until("Reset the encoder")
-        assert "Go to panel" not in op.text
         await op.press("f1")
         await op.until(lambda: op.app.screen is op.app.main)
 
@@ -193,15 +180,6 @@ async def test_help_lists_every_command_with_its_key() -> None:
         await op.until(lambda: op.app.screen is op.app.main)
 
 
-async def test_a_theme_is_remembered() -> None:
-    async with console(*FAST) as op:
-        assert themes.remembered_theme() == ""
-        op.app.theme = "nord"
-        await op.until(lambda: themes.remembered_theme() == "nord")
-    config_file("theme").write_text("no such theme\n")
-    assert themes.remembered_theme() == ""
-
-
 async def test_a_click_does_what_the_key_does() -> None:
     async with console(*FAST, size=(120, 36)) as op:
         lines = op.text.splitlines()
@@ -219,7 +197,7 @@ async def test_a_click_does_what_the_key_does() -> None:
 
 
 async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
-    async with console(node_makers=[Nobody], wait=False) as op:
+    async with console(node_makers=[partial(Node, "nobody")], wait=False) as op:
         await op.until("● nobody")
         assert "move_to_shelf is not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")
@@ -246,19 +224,6 @@ async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(ke
         assert len(_said(op)) == 1
         await op.press("1", key)
         await op.until(lambda: len(_said(op)) == 2)
-
-
-async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
-    unlimited: Path,
-) -> None:
-    async with console(*FAST, robot=unlimited) as op:
-        await op.press("g")
-        await op.type("99")
-        op.send(*["enter"] * 10)
-        await op.until("✗ REFUSED")
-        await op.until(lambda: _said(op))  # the screen shows it before the verb has ended
-        await op.settle()
-        assert len(_said(op)) == 1
 
 
 async def test_a_stop_that_a_watching_console_refuses_leaves_nothing_to_be_answered() -> None:
@@ -314,3 +279,117 @@ async def test_help_begins_with_the_state_and_the_field_and_letters_act_behind_e
         now = op.text.index("Now")
         assert op.text.index("Release the stop") < op.text.index("Continue the held queue")
         assert now < op.text.index("Release the stop") < op.text.index("Here, in")
+
+
+async def test_what_comes_in_one_write_acts_in_its_order() -> None:
+    async with console(*FAST) as op:
+        op.send("g", "1", "2", "backspace", "3", "enter")
+        await op.until("Arrived at shelf 13")
+        assert [goal.target for goal in op.app.view.snapshot.history] == ["13"]
+
+        await op.press("escape")
+        names = op.parameters
+        row = names.index("low_battery_threshold")
+        op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
+        await op.until("low_battery_threshold is 21.0, was")
+
+        await op.press("escape", "escape")
+        await op.press("g", "1")
+        op.app.post_message(events.Paste("2x\x183"))
+        await op.until("cannot paste this here: it contains 'x'")
+        assert op.app.query_one("#goal-0", Field).value == "1"
+        op.app.post_message(events.Paste("23"))
+        await op.until(lambda: op.app.query_one("#goal-0", Field).value == "123")
+
+        await op.press("escape")
+        await op.press("4", "enter")
+        await op.until(lambda: isinstance(op.app.screen, EditParameter))
+        await op.settle()
+        field = op.app.screen.query_one(Field)
+        before = field.value
+        op.app.post_message(events.Paste("1\n2"))
+        await op.until("cannot paste this here: it has several lines")
+        assert field.value == before
+        op.app.post_message(events.Paste("7\n"))
+        await op.until(lambda: "7" in field.value)
+
+        await op.press("escape", "escape")
+        await op.press("g")
+        op.app.post_message(events.Paste(" 12\t\r\n"))
+        op.send("enter", "h")  # enter clears the field, and so h is a command again
+        await op.until(lambda: op.app.main.is_full)
+        await op.until(lambda: op.app.view.snapshot.history[0].target == "12")
+
+
+async def test_only_the_left_button_acts() -> None:
+    async with console(*FAST) as op:
+        x, y = op.app.query_one("#stop").region.offset
+        for button in (3, 2, 1):
+            assert not [e for e in op.app.view.snapshot.events if e.level == "YOU"]
+            for kind in (events.MouseDown, events.MouseUp):
+                mouse = kind(None, x + 2, y, 0, 0, button, False, False, False)
+                op.app.post_message(mouse)
+            await op.settle()
+        await op.until("✗ STOPPED")
+
+
+async def test_a_fields_keys_are_in_the_footer_and_typing_lays_nothing_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    laid_out: list[Screen[object]] = []
+    lay_out = Compositor.reflow
+
+    def counted(compositor: Compositor, screen: Screen[object], size: Size) -> object:
+        laid_out.append(screen)
+        return lay_out(compositor, screen, size)
+
+    async with console() as op:
+        await op.until(f"g Go  ^c Cancel  ^x STOP  r Reset  {PANEL_KEYS} Panels")
+        await op.press("g")
+        assert op.text.splitlines()[-1].startswith(
+            " enter Go  ↑ ↓ Recent goals  esc Leave  ^c Cancel  ^x STOP  "
+        )
+        await op.press("1")
+        with monkeypatch.context() as counting:
+            counting.setattr(Compositor, "reflow", counted)
+            await op.press("2", "backspace")
+            assert laid_out == []
+            await op.press("escape", "h")
+            assert laid_out != []
+        await op.press("escape", "escape", "4", "slash")
+        await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
+        await op.press("escape")
+        await op.until(f"{PANEL_KEYS} Panels")
+
+        await op.press("4", "slash", *"abcdefghij" * 20, "1", "2", "3")
+        field = op.app.focused
+        assert isinstance(field, Field)
+        assert field.region.width < 203
+        assert "hij123" in op.text
+        assert "abcdefghij" * 20 not in op.text
+        await op.press("home")
+        assert "abcdefghij" in op.text
+        assert "123" not in op.text.splitlines()[field.region.y]
+        await op.press("end", "ctrl+u")
+        assert field.max_scroll_x == 0
+
+
+IN_FOOTER = [
+    FooterKey("go", "g", "Go", False, False),
+    FooterKey("stop", "^x", "STOP", False, True),
+]
+
+
+@pytest.mark.parametrize(
+    ("width", "shown"),
+    [
+        (60, " enter Go  ↑ ↓ Recent goals  esc Leave  ^x STOP "),
+        (47, " enter Go  esc Leave  ^x STOP "),
+        (20, " enter Go  ^x STOP "),
+        (10, " ^x STOP "),
+    ],
+)
+def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str) -> None:
+    keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
+    line = footer(IN_FOOTER[1:], width, "^p", keys).plain
+    assert line.partition("  ^p")[0].rstrip() == shown.rstrip()

@@ -10,9 +10,7 @@ from typing import Any, cast
 
 import pytest
 from action_msgs.msg import GoalStatus
-from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop
-from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
@@ -28,31 +26,9 @@ from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.ros import begin
-from tests.support.stand_in import Made, StandIn
+from tests.support.stand_in import Made, Other, StandIn
 
 ROBOT = [*_robots_nodes(False).values()]
-
-
-class Other(Node):
-    """Another client of the robot's action; `told` is how its goals ended."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("other", **options)
-        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
-        self.told: list[int] = []
-        self.sent: Any = None
-
-    def go(self, shelf: int) -> None:
-        begin(self, self._go, shelf)
-
-    def _go(self, shelf: int) -> None:
-        sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf))
-        sent.add_done_callback(self._answered)
-
-    def _answered(self, sent: Any) -> None:
-        self.sent = sent.result()
-        result = self.sent.get_result_async()
-        result.add_done_callback(lambda done: self.told.append(done.result().status))
 
 
 @asynccontextmanager
@@ -66,7 +42,7 @@ async def shared(*ros_args: str) -> AsyncIterator[tuple[Console, Other]]:
 
 async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> None:
     async with shared(*BRISK) as (op, other):
-        other.go(12)
+        other.go(shelf=12)
         await op.until("MOVING (another client's goal)")
         await op.until("m left of 18.0 m")
         assert "MOVING (another client's goal)" in op.line(" ARCHO ")
@@ -85,7 +61,7 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
     slow = ("-p", "feedback_period:=0.1", "-p", "route_length:=1000.0")
     async with robot(*ROBOT, other, ros_args=slow) as first:
         await until(lambda: other.node.client.server_is_ready())
-        other.node.go(7)
+        other.node.go(shelf=7)
         await until(lambda: first.snapshot.goal and first.snapshot.goal.remaining)
         began = seconds()
         await until(lambda: seconds() > began + 1.5)  # by its age it has not just begun
@@ -106,16 +82,10 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
 
 async def test_what_would_touch_another_clients_goal_asks_first() -> None:
     async with shared(*LONG) as (op, other):
-        other.go(12)
+        other.go(shelf=12)
         await op.until("MOVING (another client's goal)")
         await op.press("r")
         await op.until("The robot is carrying out another client's goal. Reset")
-        await op.press("n", "q")
-        await op.until("the nodes of this console would")
-        await op.press("n", "5", "home", "down", "down", "s")
-        await op.until("carrying out another client's goal, and")
-        await op.press("n", "ctrl+z")
-        await op.until("its nodes would")
         await op.press("n")
         await op.settle()
         assert other.told == []
@@ -132,7 +102,7 @@ async def test_what_would_touch_another_clients_goal_asks_first() -> None:
         await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
         await op.until("✗ cancelled (another client)")
 
-        other.go(7)
+        other.go(shelf=7)
         await op.until("MOVING (another client's goal)")
         await op.press("ctrl+p")
         await op.type("cancel every goal")
@@ -146,7 +116,7 @@ async def test_what_would_touch_another_clients_goal_asks_first() -> None:
 
 async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_about() -> None:
     async with shared(*LONG) as (op, other):
-        other.go(12)
+        other.go(shelf=12)
         await op.until("MOVING (another client's goal)")
         first = op.app.view.snapshot.running_goal
         assert first is not None
@@ -154,7 +124,7 @@ async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_abou
         await op.until("Another client sent this goal. Cancel it?")
         begin(other, other.sent.cancel_goal_async)
         await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
-        other.go(7)
+        other.go(shelf=7)
 
         def is_another() -> bool:
             goal = op.app.view.snapshot.running_goal
@@ -172,7 +142,7 @@ async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> Non
     other, stubborn = Made(Other), partial(StandIn, "stubborn", goals="drive", heeds=False)
     async with console(node_makers=[stubborn, other], wait=False) as op:
         await op.until(other.node.client.server_is_ready)
-        other.node.go(1)
+        other.node.go(shelf=1)
         await op.until("MOVING (another client's goal)")
         await op.press("ctrl+c", "y")
         await op.until("the robot rejected the cancel")
@@ -190,7 +160,7 @@ async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of
             if ours:
                 assert (await ended(go(it, 12))).ok
             else:
-                other.node.go(12)
+                other.node.go(shelf=12)
 
             def was_seen(ours: bool = ours, before: tuple[Goal, ...] = before) -> bool:
                 goal = it.snapshot.goal
@@ -294,11 +264,13 @@ async def test_watching_shows_everything_and_commands_nothing() -> None:
     async with console(*LONG, node_makers=[*ROBOT, other], watch=True) as op:
         await op.until(other.node.client.server_is_ready)
         assert "watching" in op.line(" ARCHO ")
+        assert not op.app.main.starts_in_field
+        assert op.focused_panel == 4
         own = op.session.robot.node
         clients = {client.service_name for client in own.clients}
         assert not any("send_goal" in name or "cancel_goal" in name for name in clients)
         assert not any("emergency_stop" in name or "/set_parameters" in name for name in clients)
-        other.node.go(12)
+        other.node.go(shelf=12)
         await op.until("MOVING (another client's goal)")
         await op.until("m left of")
         for key in ("ctrl+x", "r", "ctrl+c", "c"):

@@ -8,6 +8,7 @@ from unittest.mock import patch
 
 import pytest
 from textual import events
+from textual.app import App, ComposeResult
 from textual.errors import NoWidget
 from textual.geometry import Size
 from textual.widgets import Input
@@ -18,6 +19,7 @@ from archo_tui.screen.commands.help import Help
 from archo_tui.screen.commands.palette import CommandPalette
 from archo_tui.screen.main import MainScreen
 from archo_tui.screen.widgets.bars import NoticeLine
+from archo_tui.screen.widgets.field import Button
 from tests.support.console import FAST, Console, click, console
 
 
@@ -139,24 +141,6 @@ async def test_news_and_clicks_meet_a_screen_that_is_built_or_has_just_gone() ->
         assert not isinstance(op.app.screen, AlarmList)
 
 
-async def test_a_terminal_of_one_cell_holds_every_dialog_and_themes_leave_stop() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
-        assert "^x" in op.text.splitlines()[-1]
-        await stop_works(op)
-
-        await op.press("escape", "escape")
-        for keys in (["f1"], ["ctrl+p"], ["A"], ["4", "enter"], ["4", "ctrl+s"]):
-            await op.press(*keys)
-            for size in (Size(1, 1), Size(120, 36)):
-                op.app.post_message(events.Resize(size, size))
-                await op.settle()
-            await op.press("escape")
-            await op.until(lambda: op.app.screen is op.app.main)
-        await stop_works(op)
-
-
 async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -216,3 +200,21 @@ async def test_a_field_or_a_list_keeps_the_focus_in_a_tiny_or_hidden_terminal() 
         await op.settle()
         await op.press("2")
         assert op.app.query_one("#goal-0", Input).value == "12"
+
+
+class Narrow(App[None]):
+    """A terminal in which a button may have no cell."""
+
+    CSS = "Button { min-width: 0; width: 2; line-pad: 1; }"  # as in style.tcss
+
+    def compose(self) -> ComposeResult:
+        yield Button("Release", lambda: None, id="release")
+
+
+async def test_a_button_without_a_cell_for_its_label_is_drawn() -> None:
+    app = Narrow()
+    async with app.run_test(size=(20, 5)) as pilot:
+        for width, shows in ((2, False), (1, False), (0, False), (12, True)):
+            app.query_one(Button).styles.width = width
+            await pilot.pause()
+            assert ("Release" in app.screen._compositor.render_strips()[0].text) is shows

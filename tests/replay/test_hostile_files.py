@@ -140,19 +140,11 @@ WINDOW = b"\x28\xb5\x2f\xfd\x00" + bytes([(31 - 10) << 3]) + _BLOCK + GOOD
 BOMB = 300_000_000  # bytes, five times as many as are ever unpacked
 CHUNKS: dict[str, Callable[[], bytes]] = {
     "zstd": lambda: chunk(zstd_bomb(BOMB), "zstd", size=1000),
-    "zstd, large": lambda: chunk(zstd_bomb(BOMB), "zstd", size=mcap_file.MAX_RECORD),
-    "zstd, honest": lambda: chunk(zstd_bomb(BOMB), "zstd", size=BOMB),
     "zstd, huge": lambda: chunk(zstd_bomb(BOMB), "zstd", size=2**64 - 1),
     "zstd, window": lambda: chunk(WINDOW, "zstd", size=len(GOOD)),
     "lz4": lambda: chunk(lz4_bomb(BOMB), "lz4", size=1000),
-    "lz4, large": lambda: chunk(lz4_bomb(BOMB), "lz4", size=mcap_file.MAX_RECORD),
-    "lz4, honest": lambda: chunk(lz4_bomb(BOMB), "lz4", size=BOMB),
     "unknown": lambda: chunk(b"x" * 100, "bz2\x1b[2J"),
-    "small": lambda: chunk(GOOD, "", size=3),
     "no zstd": lambda: chunk(GOOD, "zstd"),
-    "no lz4": lambda: chunk(GOOD, "lz4"),
-    "of zeros": lambda: chunk(bytes(900)),
-    "less than a record": lambda: chunk(b"xyz"),
     "empty": lambda: record(6, b""),
     "one in another": lambda: chunk(GOOD[:-1]),
 }
@@ -221,10 +213,9 @@ def test_a_length_that_cannot_be_ends_the_reading(which: str, tmp_path: Path) ->
 @pytest.mark.parametrize(
     "behind",
     [
-        *(b"", record(6, bytes(50), 10**10 - 10**6), record(200, b"", 9)),
-        *(record(opcode, b"", 10**9) for opcode in (1, 3, 4, 5, 6, 7, 9)),
+        *(b"", record(6, bytes(50), 10**10 - 10**6), record(200, b"", 9), record(5, b"", 10**9)),
     ],
-    ids=range(10),
+    ids=range(4),
 )
 def test_a_file_of_10_gb_of_nothing_is_read_at_once(behind: bytes, tmp_path: Path) -> None:
     path = logs(tmp_path / "a.mcap", GOOD)
@@ -270,16 +261,6 @@ def test_what_is_odd_is_skipped_and_what_is_lost_is_told(
     assert set(found.types) == {"/rosout"}
 
 
-def test_absurd_times_are_kept_in_their_order(tmp_path: Path) -> None:
-    times = [2**63, 0, 2**64 - 1, 10**18]
-    parts = [message(1, time, log(str(time))) for time in times]
-    found = BagFile(logs(tmp_path / "a.mcap", *parts))
-    assert words(found) == [str(time) for time in sorted(times)]
-    assert (found.start, found.end) == (0.0, (2**64 - 1) / 1e9)
-    for bounds in ((float("nan"), 1.0), (0.0, float("nan")), (float("inf"), -1.0)):
-        list(found.messages(*bounds, {"/rosout"}))
-
-
 def many_channels() -> list[bytes]:
     return [channel(n, n % 3, f"/topic_{n}" + "x" * 400) for n in range(20_000)]
 
@@ -313,10 +294,9 @@ def test_as_many_channels_and_definitions_are_known_as_anybody_needs(
 @pytest.mark.parametrize(
     "name",
     [
-        *("antigravity/msg/X", "this/msg/X", "os/path/join", "os.path/msg/join", "../x/msg/Y"),
-        *("rcl_interfaces/msg/__name__", "rcl_interfaces/srv/GetParameters", "a/b", "", "/msg/"),
-        *("std_msgs/msg/" + "S" * 100_000, "\x1b[2J/msg/X", "archo_tui/cli/main", "msg/msg/msg"),
-        *("archo_interfaces/action/MoveToShelf", "archo_interfaces/action/_FeedbackMessage"),
+        *("antigravity/msg/X", "os.path/msg/join", "../x/msg/Y", "rcl_interfaces/msg/__name__", ""),
+        *("rcl_interfaces/srv/GetParameters", "std_msgs/msg/" + "S" * 100_000, "\x1b[2J/msg/X"),
+        "archo_interfaces/action/_FeedbackMessage",
     ],
     ids=lambda name: name[:30],
 )

@@ -7,7 +7,6 @@ import os
 import shutil
 import signal
 import socket
-import sys
 import termios
 from collections.abc import Callable
 from pathlib import Path
@@ -197,23 +196,6 @@ def test_one_that_cannot_be_read_leaves_the_screen_whole(listed: Callable[..., T
     terminal.write("\r")
     terminal.until("not played")
     terminal.until(lambda: "6 Events" in terminal.text.partition("no recordings in")[2])
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits another process")
-def test_where_none_can_begin_the_screen_says_so_and_goes_on(
-    listed: Callable[..., Terminal],
-) -> None:
-    import resource
-
-    terminal = listed()
-    limits = resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE)
-    resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE, (3, limits[1]))
-    terminal.write("\r")
-    terminal.until("not played: Too many open files")
-    resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE, limits)
-    terminal.read_for(2 * HELD)
-    terminal.write("\x18")
-    terminal.until("STOP: confirmed")
 
 
 def test_a_restart_behind_one_leaves_the_terminal_to_the_next_process(

@@ -1,18 +1,26 @@
-"""What no topic says: each field of a snapshot is recorded, and shown in a replay."""
+"""What no topic says, and topics: each is recorded, and shown in a replay at its position."""
 
 from __future__ import annotations
 
+import asyncio
 import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
-from std_msgs.msg import String
+from std_msgs.msg import Float32, String, UInt8MultiArray
 
+from archo_tui.base.clock import Clock
 from archo_tui.recordings.console import STATE, TOLD, change_key, to_json
+from archo_tui.recordings.replay import bag as bag_reader
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.recordings.replay.player import Player
 from archo_tui.recordings.replay.state import ReplayState
+from archo_tui.recordings.replay.station import RecordedTopicFollower
 from archo_tui.robot.clients import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.period import MessageRate
@@ -20,13 +28,17 @@ from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.graph import NodeState, Parameter, Resource
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot.topics.rows import TopicRequest, TopicView
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.text.state import motion_word
+from tests.replay.bags import START, written
+from tests.support import clock
 from tests.support.archo import ARCHO, SHELF
+from tests.support.quiet import until
 from tests.support.states import plain_text
 
 SINCE = 1_700_000_000.0  # Unix minus monotonic time of the recording console.
@@ -119,17 +131,17 @@ def test_each_field_of_a_snapshot_comes_by_the_state_or_by_messages() -> None:
     assert [name for name, value in told(0.0).items() if value == getattr(default, name)] == []
 
 
-@pytest.mark.parametrize("name", told(0.0))
-def test_each_recorded_field_is_shown_in_a_replay(name: str) -> None:
+def test_each_recorded_field_is_shown_in_a_replay() -> None:
     shown = replayed(view_of(Snapshot(**told(0.0)))).snapshot
-    assert getattr(shown, name) == told(SINCE)[name]
+    wanted = told(SINCE)
+    assert {name: getattr(shown, name) for name in wanted} == wanted
 
 
-@pytest.mark.parametrize("name", sorted({*told(0.0)} - {"events", "charge", "message_rates"}))
-def test_a_field_that_changes_is_recorded_at_once(name: str) -> None:
-    before = view_of(Snapshot())
-    after = view_of(Snapshot(**{name: told(0.0)[name]}))
-    assert change_key(before) != change_key(after)
+def test_a_field_that_changes_is_recorded_at_once() -> None:
+    before = change_key(view_of(Snapshot()))
+    at_once = {n: v for n, v in told(0.0).items() if n not in ("events", "charge", "message_rates")}
+    for name, value in at_once.items():
+        assert change_key(view_of(Snapshot(**{name: value}))) != before, name
 
 
 def test_what_only_the_station_knows_is_recorded_too() -> None:
@@ -246,3 +258,69 @@ def test_of_two_goals_on_one_action_each_has_its_own_feedback(
     state.restore(before)
     shows(state, first, 2.5)
     assert left(state) == 6.0
+
+
+REQUEST = TopicRequest(plotted=("data",), plot_columns=10)
+
+
+def value(views: list[TopicView]) -> float:
+    """The value in the newest view."""
+    found: Any = views[-1].fields[0].value if views and views[-1].fields else -1.0
+    return float(found)
+
+
+@asynccontextmanager
+async def following(
+    path: Path, topic: str = "/count"
+) -> AsyncIterator[tuple[Player, list[TopicView]]]:
+    """A player of a bag, and the views of a topic so far."""
+    time = clock.current or Clock()
+    player, views = Player(BagFile(path), ARCHO, time), list[TopicView]()
+    await until(lambda: player.is_complete)
+    follower = RecordedTopicFollower(player, time, topic, lambda: REQUEST, views.append)
+    task = asyncio.ensure_future(follower.run())
+    try:
+        yield player, views
+    finally:
+        task.cancel()
+
+
+async def test_the_fields_are_those_at_the_position_also_while_it_plays(tmp_path: Path) -> None:
+    sent = [("/count", Float32(data=float(number))) for number in range(1_000)]
+    counts = written(tmp_path / "counts.mcap", sent)  # tenths of a second
+    async with following(counts) as (player, views):
+        for seconds, shown in ((0.05, 0.0), (90.05, 900.0), (30.05, 300.0), (30.25, 302.0)):
+            player.go_to(START + seconds)
+            await until(lambda shown=shown: value(views) == shown)  # type: ignore[misc]
+        field = views[-1].fields[0]
+        assert (field.least, field.greatest) == (0.0, 302.0)
+        assert views[-1].rate == pytest.approx(10, rel=0.01)
+        assert views[-1].age == pytest.approx(0.05, abs=0.01)
+        assert views[-1].plots["data"][-1] is not None
+        player.go_to(START + 10)
+        player.play(on=True)
+        del views[:]
+        await until(lambda: value(views) > 150.0)
+        assert len(views) > 10
+    async with following(counts, "/other") as (_, views):
+        await until(lambda: views)
+        assert views[-1].fault == "it was not recorded"
+
+
+async def test_of_too_many_bytes_those_around_the_position_are_read_and_open_anywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bag_reader, "MAX_BYTES", 20_000)
+    sent = [("/image", UInt8MultiArray(data=bytes([number] * 1_000))) for number in range(200)]
+    path = written(tmp_path / "images.mcap", sent)
+    async with following(path, "/image") as (player, views):
+        player.go_to(START + 15.05)
+        await until(lambda: views and views[-1].fields)
+        view = views[-1]
+        row = next(row for row in view.fields if row.path == "data")
+        assert row.first.startswith("96 96 ")
+        assert view.with_elements is not None
+        opened = view.with_elements(view, {"data": 700}).fields
+        paths = [field.path for field in opened]
+        assert next(path for path in paths if "data[" in path) == "data[700]"
+        assert opened[paths.index("data[719]")].value == 0x96

@@ -3,6 +3,8 @@
 A model test: the same random sequence is pressed with pauses, then in one write or with gaps of
 some milliseconds, on one console over a robot that stands still. Both times the console must end in
 the same state, and the robot must have been asked for the same.
+
+A walk of keys, clicks, pastes and sizes over all screens: nothing breaks or sticks, STOP answers.
 """
 
 from __future__ import annotations
@@ -13,17 +15,22 @@ from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from itertools import chain, count
+from pathlib import Path
 from typing import Any
 
 import pytest
 from textual import events, widgets
+from textual.app import App
+from textual.geometry import Size
 from textual.message import Message
+from textual.widgets import Input
 
 from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screen.app import ArchoApp
+from archo_tui.screen.commands import registry
 from archo_tui.screen.dialog import Dialog
 from archo_tui.screen.keyed_app import HELD
 from archo_tui.screen.terminal.stop_marks import dispatch
@@ -31,9 +38,10 @@ from archo_tui.screen.widgets.field import Field
 from archo_tui.screen.widgets.panel import Panel
 from archo_tui.screen.widgets.rows import Rows
 from archo_tui.station import save_load
+from tests.support.archo import ARCHO
 from tests.support.clock import NOW
-from tests.support.console import key_event
-from tests.support.front import reset_main
+from tests.support.console import click, key_event, send
+from tests.support.front import front, reset_main
 from tests.support.quiet import Quiet
 from tests.support.states import ARRIVED, STATES
 from tests.support.stub import StandingClock, StubRobot, sized, stub_station
@@ -292,3 +300,88 @@ async def test_many_bursts_end_as_the_same_keys_do_with_pauses(_part: int) -> No
     seed = random.randrange(10**6)
     found = await compare(seed, number=50, gaps=GAPS)
     assert not found, f"seed {seed}:\n" + "\n".join(found)
+
+
+COMMANDS = registry(ARCHO)
+_WALKED_KEYS = sorted(
+    {command.key for command in COMMANDS if command.key}
+    | set("0123456789azAZ .-") | {"tab", "shift+tab", "escape", "enter", "up", "down", "left"}
+    | {"right", "pageup", "pagedown", "home", "end", "backspace", "delete", "ctrl+home", "ctrl+end"}
+)  # fmt: skip
+_LEAVING = {"ctrl+q", "q", "ctrl+z"}  # end the walk
+_EACH = 50  # keys between two looks at the invariants
+_PASTES = ("12", "a\nb", "\x1b[31m", "9" * 300, "x: [", "  7 ")
+_SIZES = ((80, 24), (120, 36), (160, 48), (79, 23), (200, 60), (40, 10), (20, 5), (1, 1))
+_WALKED = Size(100, 30)
+
+
+def something_else(app: App[Any], choose: random.Random) -> None:
+    """A click, a paste or another size of the terminal."""
+    what = choose.randrange(4)
+    if what == 0:
+        app.post_message(events.Paste(choose.choice(_PASTES)))
+    elif what == 1:
+        size = Size(*choose.choice(_SIZES))
+        app.post_message(events.Resize(size, size))
+    else:
+        click(app, choose.randrange(app.size.width), choose.randrange(app.size.height))
+
+
+async def walk(seed: int, keys: int) -> None:
+    """Press keys at random; the state of the robot changes at random as well."""
+    choose = random.Random(seed)
+    names = sorted(set(STATES) - {"many parameters"})
+    stops: list[int] = []
+
+    async def stop() -> Outcome:
+        stops.append(1)
+        return Outcome(Code.DONE, "stopped")
+
+    possible = [key for key in _WALKED_KEYS if key not in _LEAVING and key != "ctrl+x"]
+    async with front(size=(_WALKED.width, _WALKED.height)) as it:
+        app, robot, press = it.app, it.robot, it.press
+        robot.emergency_stop = stop
+        app.exit = lambda *_, **__: None  # type: ignore[method-assign]  # by a click, or the palette
+        app.action_suspend_process = lambda: None  # type: ignore[method-assign]
+        for number in range(keys // _EACH):
+            robot.put(STATES[choose.choice(names)])
+            pressed = [choose.choice(possible) for _ in range(_EACH)]
+            for key in pressed:
+                send(app, key)
+                if choose.random() < 0.1:
+                    something_else(app, choose)
+                    await asyncio.sleep(0)  # it comes while what was before is being done
+            await it.settle()
+            app.clear_notifications()
+            app.post_message(events.Resize(_WALKED, _WALKED))
+            where = f"seed {seed}, after {number * _EACH + _EACH} keys, the last: {pressed[-20:]}"
+            robot.put(STATES["normal"])
+            stops.clear()
+            await press("ctrl+x")
+            assert stops == [1], where
+            assert app.is_running, where
+            for _ in range(10):  # no dialog sticks
+                if app.screen is app.main:
+                    break
+                await press("escape")
+            assert app.screen is app.main, where
+            if isinstance(app.focused, Input):
+                await press("escape")
+            assert app.focused is not None, where
+            assert not isinstance(app.focused, Input), where
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files may be saved on the way."""
+    monkeypatch.chdir(tmp_path)
+
+
+async def test_a_walk_of_keys_at_random() -> None:
+    await walk(seed=7, keys=100)
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("_part", range(10))
+async def test_a_long_walk_of_keys_at_random(_part: int) -> None:
+    await walk(seed=random.randrange(10**6), keys=2000)

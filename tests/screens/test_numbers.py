@@ -1,4 +1,4 @@
-"""Numbers are whole at every width, or said to be cut."""
+"""Numbers are whole at every width, or said to be cut; rates are those of now."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
 from archo_tui.screen.main import PANELS
 from archo_tui.screen.widgets.line import aligned
 from archo_tui.text import line_by_line
-from archo_tui.text.state import PLAIN, charge_bar, marked_tone, motion_age
+from archo_tui.text.goal import goal_line
+from archo_tui.text.plot import time_left_text
+from archo_tui.text.state import PLAIN, charge_bar, marked_tone, motion_age, motion_line
 from archo_tui.verbs.as_json import state
 from tests.support.clock import NOW, TIME
+from tests.support.console import console
 from tests.support.front import front
 from tests.support.night import corners
-from tests.support.states import MOVING, NORMAL, plain_text
+from tests.support.states import MOTOR, MOVING, NORMAL, plain_text
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 # each number begins with a nine: a part of one is then no other number of the screen
@@ -129,3 +132,92 @@ async def test_readings_of_a_slow_robot_have_their_age_before_they_are_old() -> 
     station = stub_station(StubRobot(slow), StandingClock())
     station.on_snapshot(slow)
     assert state(station)["motion"]["word"] == "IDLE"  # Which programs compare.
+
+
+def simulated(value: object) -> Snapshot:
+    scale = Parameter("/motor_controller", "time_scale", "double", value, value)
+    return NORMAL._replace(goal=MOVING, motion=MOTOR, parameters=(*NORMAL.parameters, scale))
+
+
+def test_the_factor_stands_beside_the_speed_and_the_time_left() -> None:
+    snapshot = simulated(7.5)
+    assert plain_text(motion_line(snapshot, NOW)).endswith("0.00 m/s x 7.5")
+    assert plain_text(goal_line(snapshot, NOW, "")).endswith("about 1.5 s left x 7.5")
+    assert line_by_line.motion_text(snapshot, NOW).endswith("0.00 m/s x 7.5")
+    assert line_by_line.goal_text(snapshot, NOW, "").endswith("about 1.5 s left x 7.5")
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),  # in the 24 cells of a terminal of 80 columns
+    [
+        (15_420, "15 420 0.00 m/s x 7.5"),
+        (12_345_678, "12345678 0.00 m/s x 7.5"),
+        (1_234_567_890, "0.00 m/s x 7.5"),
+    ],
+)
+def test_where_room_is_short_the_factor_stays_and_the_count_gives_way(
+    count: int, said: str
+) -> None:
+    snapshot = simulated(7.5)._replace(motion=replace(MOTOR, count=count))
+    assert plain_text(motion_line(snapshot, NOW, 24)).strip() == said
+
+
+@pytest.mark.parametrize("value", [1.0, "fast", float("nan"), -2.0])
+def test_nothing_is_said_of_real_time_nor_of_what_is_no_factor(value: object) -> None:
+    assert simulated(value).time_factor is None
+    assert plain_text(motion_line(simulated(value), NOW)).endswith("0.00 m/s")
+    assert plain_text(goal_line(simulated(value), NOW, "")).endswith("about 1.5 s left")
+
+
+def test_the_factor_is_whole_or_not_beside_the_time_left() -> None:
+    whole = plain_text(goal_line(simulated(7.5), NOW, ""))
+    for width in range(40, 90):
+        said = plain_text(goal_line(simulated(7.5), NOW, "", width))
+        assert said.endswith((" x 7.5", " left"))
+        assert len(said) <= max(width, len(whole.removesuffix(" x 7.5")))
+
+
+async def test_archo_says_that_it_drives_faster_until_it_does_not() -> None:
+    async with console("-p", "route_length:=100.0") as op:
+        await op.press("g", "5", "enter")
+        await op.until("0.80 m/s x 7.5")
+        await op.until(lambda: re.search(r"about \d+.\d s left x 7.5", op.text))
+        await op.press("h")
+        await op.until("speed 0.80 m/s x 7.5")
+        await op.press("escape")
+        await op.app.station.robot.set_parameters("/motor_controller", {"time_scale": 1.0})
+        await op.until(lambda: "x 7.5" not in op.text)
+
+
+Rates = list[tuple[float, float]]  # Pairs of % in a second, and seconds.
+
+
+def samples(start: float, rates: Rates) -> tuple[tuple[float, float], ...]:
+    """Return the charge of each second."""
+    found = [(100.0, start)]
+    for rate, seconds in rates:
+        for _ in range(round(seconds)):
+            at, charge = found[-1]
+            found.append((at + 1.0, charge + rate))
+    return tuple(found)
+
+
+@pytest.mark.parametrize(
+    ("start", "rates", "said"),
+    [
+        (22.5, [(-2.0, 10)], "empty in about 1 s"),
+        (30.0, [(-2.0, 12)], "empty in about 3 s"),
+        (60.0, [(-0.5, 40)], "empty in about 80 s"),
+        (52.5, [(0.0, 25), (-2.0, 5)], "empty in about 20 s"),
+        (60.0, [(-2.0, 20), (-0.05, 10)], ""),
+        (60.0, [(-0.01, 30)], "empty in about 2 h"),
+        (60.0, [(0.0, 30)], ""),
+    ],
+)
+def test_the_time_left_goes_by_the_present_rate(start: float, rates: Rates, said: str) -> None:
+    assert time_left_text(samples(start, rates), charging=False) == said
+
+
+def test_the_time_to_a_full_battery_goes_by_the_present_rate_too() -> None:
+    rates = [(0.5, 25.0), (2.0, 5.0)]
+    assert time_left_text(samples(60.0, rates), charging=True) == "full in about 9 s"

@@ -19,9 +19,8 @@ from archo_tui.station.alarms import AlarmBoard
 from archo_tui.station.history import History
 from tests.support.archo import SHELF
 from tests.support.clock import TIME
-from tests.support.front import Front, front, front_of, reset_main
+from tests.support.front import Front, differs, front, front_of, reset_main, steady
 from tests.support.night import corners
-from tests.support.pictures import differs, steady
 from tests.support.states import ARRIVED, CANCELLED, NORMAL, STATES, ended, past
 from tests.support.stub import StandingClock, stub_app
 
@@ -242,7 +241,7 @@ async def test_a_topic_stands_beside_the_graph_where_there_is_room(
     await compare(request, "topic beside", NORMAL, "160x48", *keys)
 
 
-@pytest.mark.parametrize("locale", ["C.UTF-8", "C"])
+@pytest.mark.parametrize("locale", corners(["C.UTF-8"], ["C"]))
 async def test_the_history_stands_beside_the_panels_where_there_is_room(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, locale: str
 ) -> None:
@@ -322,6 +321,7 @@ async def test_a_large_screen_is_filled_as_accepted(
         await compare(request, name, snapshot, size, *keys, queue=queue, in_field=not keys)
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     ("name", "theme"),
     [("ascii", "textual-dark"), ("16 colours", "high-contrast"), ("light", "textual-light")],

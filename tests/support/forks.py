@@ -30,8 +30,6 @@ from unittest.mock import patch
 
 import pytest
 from _pytest.runner import runtestprotocol
-from xdist.remote import serialize_warning_message  # type: ignore[import-untyped]
-from xdist.workermanage import unserialize_warning_message  # type: ignore[import-untyped]
 
 from tests.support import chosen
 
@@ -119,14 +117,10 @@ class Forks:
                 fork.connection.send(portion)
             return
         item = session.items[fork.given.popleft()]
-        reports, warnings = message
         hook = session.config.hook
-        for data in reports:
+        for data in message:
             report = hook.pytest_report_from_serializable(config=session.config, data=data)
             self._log(session, fork, report)
-        for said in warnings:
-            said["warning_message"] = unserialize_warning_message(said["warning_message"])
-            hook.pytest_warning_recorded.call_historic(kwargs=said)
         hook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
 
     def _log(self, session: pytest.Session, fork: _Fork, report: pytest.TestReport) -> None:
@@ -181,7 +175,6 @@ class _Child:
     def __init__(self, session: pytest.Session, number: int, parent: Connection) -> None:
         self._session, self._number, self._parent = session, number, parent
         self._reports: list[object] = []
-        self._warnings: list[object] = []
 
     def run_and_exit(self) -> NoReturn:
         try:
@@ -226,9 +219,9 @@ class _Child:
         """Run a test as pytest does, within what plugins put around it, and send its reports."""
         items = self._session.items
         next_item = None if following is None else items[following]
-        self._reports, self._warnings = [], []
+        self._reports = []
         items[index].ihook.pytest_runtest_protocol(item=items[index], nextitem=next_item)
-        self._parent.send((self._reports, self._warnings))
+        self._parent.send(self._reports)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool:
@@ -247,10 +240,3 @@ class _Child:
                 gc.collect()
             if unclosed:
                 raise unclosed[0].exc_value
-
-    def pytest_warning_recorded(
-        self, warning_message: Any, when: str, nodeid: str, location: object
-    ) -> None:
-        message = serialize_warning_message(warning_message)
-        where = {"when": when, "nodeid": nodeid, "location": location}
-        self._warnings.append({"warning_message": message, **where})

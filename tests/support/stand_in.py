@@ -38,8 +38,9 @@ class StandIn(Node):
     """Answers STOP and its release with "yes", "no" or, until it is woken, "nothing".
 
     It serves neither of them if that is "", and goals if these "arrive", or "drive" until they are
-    cancelled, which `ends` them so. It `decides` about a goal after as many seconds, and rejects
-    it unless it `accepts`. It reports its motion unless that is None, else a battery.
+    cancelled, which `ends` them so (not while it `drives_on`). It `decides` about a goal after as
+    many seconds, and rejects it unless it `accepts`. It reports its motion unless that is None,
+    else a battery.
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class StandIn(Node):
         self.says, self.releases, self.goals = stop, release, goals
         self.seconds, self.feeds, self.heeds, self.latches = seconds, feeds, heeds, latches
         self.moving, self.stopped, self.is_silent = moving, False, False
-        self.ends, self.accepts, self._decides = ends, True, decides
+        self.ends, self.accepts, self._decides, self.drives_on = ends, True, decides, False
         self.stops: list[float] = []  # When each was asked for, and so of the cancels.
         self.cancels: list[float] = []
         self.asked_to_release = 0
@@ -152,7 +153,7 @@ class StandIn(Node):
             goal.succeed()
             return MoveToShelf.Result(success=True)
         self.running.append(goal)
-        while not goal.is_cancel_requested:
+        while self.drives_on or not goal.is_cancel_requested:
             await self.sleep(0.1)
         self.running.remove(goal)
         getattr(goal, self.ends)()
@@ -231,25 +232,32 @@ class Drive:
 
 
 class Other(Node):
-    """Another client, which sends goals of its own, and counts those that ended."""
+    """Another client, which sends goals of its own; `told` is how they ended, `sent` the last."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("other", **options)
-        self.ended = 0
+        self.told: list[int] = []
+        self.sent: Any = None
         self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
 
-    def go(self, goals: int = 1) -> None:
-        begin(self, self._go, goals)
+    def go(self, goals: int = 1, *, shelf: int = 1) -> None:
+        """Send goals to that shelf and those behind it."""
+        begin(self, self._go, goals, shelf)
 
-    def _go(self, goals: int) -> None:
-        for shelf in range(goals):
-            sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf + 1))
-            sent.add_done_callback(
-                lambda done: done.result().get_result_async().add_done_callback(self._count)
-            )
+    def _go(self, goals: int, shelf: int) -> None:
+        for number in range(goals):
+            sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf + number))
+            sent.add_done_callback(self._answered)
 
-    def _count(self, _: Any) -> None:
-        self.ended += 1
+    def _answered(self, sent: Any) -> None:
+        self.sent = sent.result()
+        result = self.sent.get_result_async()
+        result.add_done_callback(lambda done: self.told.append(done.result().status))
+
+    @property
+    def ended(self) -> int:
+        """How many of its goals have ended."""
+        return len(self.told)
 
 
 def beside(host: Node, node: N) -> N:

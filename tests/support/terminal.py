@@ -168,7 +168,7 @@ class Terminal:
             os.close(self._slave)
 
 
-Start = Callable[..., Terminal]  # See tests/terminal/conftest.py.
+Start = Callable[..., Terminal]  # The fixture `start`.
 
 
 def entries() -> list[dict[str, Any]]:

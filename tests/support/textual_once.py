@@ -13,7 +13,6 @@ from textual.css import stylesheet
 from textual.css.stylesheet import Stylesheet
 from textual.css.tokenize import tokenize_values
 from textual.dom import DOMNode
-from textual.message import Message
 from textual.message_pump import MessagePump
 
 _Rules = Any
@@ -24,12 +23,10 @@ _MARK = "_shared_by_tests"  # The attribute of a style sheet with what identifie
 def share() -> None:
     """Do once for the whole run what Textual does for each app.
 
-    Style sheets and texts with marks are parsed, rules are matched to equal widgets, and the
-    methods that handle a message are looked up in a class.
+    Style sheets and texts with marks are parsed, and rules are matched to equal widgets.
     """
     _share_parsing()
     _share_matching()
-    _share_handlers()
     _note_what_is_made()
 
 
@@ -142,48 +139,3 @@ def _share_matching() -> None:
             known[key] = matched.rules, tuple(vars(node)[name] for name in _OF_RULES)
 
     Stylesheet.apply = apply_once  # type: ignore[method-assign]
-
-
-def _share_handlers() -> None:
-    look_up = MessagePump._get_dispatch_methods
-    known = dict[object, list[_Handler] | None]()
-
-    def look_up_once(self: MessagePump, method_name: str, message: Message) -> Any:
-        kind, private = type(self), f"_{method_name}"
-        # The methods themselves are part of the key: tests put others in their place.
-        own = getattr(kind, private, None), getattr(kind, method_name, None)
-        key = kind, type(message), method_name, own
-        if key not in known or not _are_unpatched(known[key] or []):
-            known[key] = _handlers(kind, method_name)
-        found = known[key]
-        if found is None:
-            yield from look_up(self, method_name, message)
-            return
-        for kind, _, method in found:
-            if message._no_default_action:
-                return
-            yield kind, method.__get__(self, kind)
-
-    MessagePump._get_dispatch_methods = look_up_once  # type: ignore[method-assign]
-
-
-_Handler = tuple[type, str, Any]  # A class, the name of its method, and this method.
-
-
-def _handlers(kind: type, name: str) -> list[_Handler] | None:
-    """Return what handles a message, or None where that depends on the message's widgets."""
-    found: list[_Handler] = []
-    for one in kind.__mro__:
-        own = vars(one)
-        if own.get("_decorated_handlers"):
-            return None
-        used = f"_{name}" if own.get(f"_{name}") is not None else name
-        method = own.get(used)
-        if method is not None and not getattr(method, "_textual_on", None):
-            found.append((one, used, method))
-    return found
-
-
-def _are_unpatched(handlers: list[_Handler]) -> bool:
-    """Return False when a test has put another method in the place of one."""
-    return all(vars(kind).get(name) is method for kind, name, method in handlers)

@@ -1,4 +1,4 @@
-"""Keys, answers of the terminal and the mouse, from bytes to what acts; pastes: test_paste.py."""
+"""Keys, answers of the terminal, the mouse and pastes, from bytes to what acts."""
 
 from __future__ import annotations
 
@@ -9,9 +9,65 @@ import pytest
 from textual import events
 from textual.message import Message
 
-from archo_tui.screen.terminal.keyboard import STRING_LIMIT, Keyboard
+from archo_tui.screen.terminal.keyboard import PASTE_LIMIT, STRING_LIMIT, Keyboard
 from tests.support.night import corners
-from tests.support.typed import LONG, Typed, typed
+
+SOON, IDLE = 0.03, 0.1  # s, as the driver waits
+LONG = 10.0  # s, after which nothing is open any more
+
+
+class Typed:
+    """What comes of what is typed."""
+
+    def __init__(self) -> None:
+        self.keyboard = Keyboard()
+        self.now = 1000.0
+        self.messages: list[Message] = []
+
+    def wait(self, seconds: float) -> Typed:
+        """Nothing comes for so long."""
+        end = self.now + seconds
+        while (step := SOON if self.keyboard.is_waiting else IDLE) < end - self.now:
+            self.now += step
+            self.messages += self.keyboard.on_silence(self.now)
+        self.now = end
+        return self
+
+    def read(self, data: bytes | str, after: float = 0.0) -> Typed:
+        """That is read at once, so many seconds after what came before."""
+        self.wait(after)
+        data = data.encode() if isinstance(data, str) else data
+        self.messages += self.keyboard.feed(data, self.now)
+        return self
+
+    @property
+    def keys(self) -> list[str]:
+        """Which act, by now."""
+        return [message.key for message in self.messages if isinstance(message, events.Key)]
+
+    @property
+    def text(self) -> str:
+        """What a field would show of the keys."""
+        keys = (message for message in self.messages if isinstance(message, events.Key))
+        return "".join(key.character or "" for key in keys if key.is_printable)
+
+    @property
+    def pastes(self) -> list[str]:
+        return [m.text for m in self.messages if isinstance(m, events.Paste)]
+
+    @property
+    def names(self) -> list[str]:
+        """The classes of all that came."""
+        return [type(message).__name__ for message in self.messages]
+
+
+def typed(*reads: bytes | str, gap: float = 0.0) -> Typed:
+    """What is read one after another, and silence."""
+    keyboard = Typed()
+    for number, data in enumerate(reads):
+        keyboard.read(data, gap if number else 0.0)
+    return keyboard.wait(LONG)
+
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"
 ST = "\x1b\\"
@@ -65,17 +121,6 @@ def test_a_character_directly_behind_an_escape_is_no_text(char: str, key: str, g
     assert pressed.text == ""
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.05])
-def test_a_digit_directly_behind_an_escape_leaves_and_is_no_text_either(gap: float) -> None:
-    pressed = typed("\x1b", "8", gap=gap)
-    assert pressed.keys == ["escape", "alt+8"]
-    assert pressed.text == ""
-
-
-def test_words_are_skipped_as_on_a_mac() -> None:
-    assert typed("\x1bb\x1bf").keys == ["ctrl+left", "ctrl+right"]
-
-
 @pytest.mark.parametrize("gap", [0.0, 0.05, 0.3])
 @pytest.mark.parametrize(
     ("char", "key"),
@@ -87,14 +132,60 @@ def test_a_control_character_behind_an_escape_is_a_key_of_its_own(
     assert typed("\x1b", char, gap=gap).keys == ["escape", key]
 
 
-def test_shift_tab_of_the_linux_console_is_one_key() -> None:
-    assert typed("\x1b\t\x1b\x7f").keys == ["shift+tab", "ctrl+w"]
+BEGUN = ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"]
+X_OF_ANY_LAYOUT = [
+    *("\x1b[120;5u", "\x1b[1095;5u", "\x1b[1095::120;5u", "\x1b[967;5u", "\x1b[967::120;5u"),
+    *("\x1b[27;5;88~", "\x1b[27;5;120~", "\x1b[88;5u", "\x1b[120;69u", "\x1b[120;133u"),
+    *("\x1b[1063;5u", "\x1b[120:88;5:1u", "\x1b[120::98;5u", "\x1b[1095:1063:120;5:2;u"),
+    "\x1b[1513::120;5u",  # Hebrew: the base layout tells where the alphabet is unknown
+]
+# what is read, as one write, or (joined by `|`) with that many seconds between: which keys it is
+KEYS: list[tuple[str, float, str]] = [
+    *(("\x1bb\x1bf", 0, "ctrl+left ctrl+right"), ("\x1b\t\x1b\x7f", 0, "shift+tab ctrl+w")),
+    *(("\x1b|8", gap, "escape alt+8") for gap in (0.0, 0.05)),
+    *(("\x1b\x1b[A\x18", 0, "escape up ctrl+x"), ("\x1b\x1b", 0, "escape escape")),
+    ("\x1b\x1b|n", 0.12, "escape escape n"),
+    # a key whose escape came before it, and a sequence that is waited for and dropped
+    *(("\x1b|[A", 0.3, "escape up"), ("\x1b|[[A", 0.3, "escape f1"), ("\x1bO|P", 0.4, "f1")),
+    *(("\x1b[1;|5A", 0.45, "ctrl+up"), ("\x1b[1;|r", 0.55, "r")),
+    # a string without an end, and a long answer whose escape came before it
+    *(("\x1b]52;c;AAAA|gr7|r", 0.45, ""), ("\x1b]52;c;AAAA|r", 0.55, "r")),
+    ("\x1b|]l" + "gr7 " * 100, 0.3, "escape"),
+    # a sequence ends at what cannot be in one, at a STOP, and at another one; an endless one
+    *(("\x1b[1;\rr", 0, "enter r"), ("\x1b[" + "1" * 100_000 + "ur", 0, "r")),
+    ("\x1b[1;" + "0" * 300 + "5Ar", 0, "r"),
+    *((f"{begun}\x18r", 0, "ctrl+x r") for begun in BEGUN),
+    *((f"{begun}\x1ar", 0, "r") for begun in BEGUN),
+    *((f"{begun}\x1b[Ar", 0, "up r") for begun in BEGUN),
+    *((f"{begun}|\x1b|r", 0.6, "escape r") for begun in BEGUN),
+    ("\x1b[M !!r\x1b[35;10;10Mr", 0, "r r"),  # older reports of the mouse
+    # of all terminals
+    *((sent, 0, "up") for sent in ("\x1b[A", "\x1bOA", "\x1b[1;1:2A")),
+    *((sent, 0, "f1") for sent in ("\x1bOP", "\x1b[11~", "\x1b[[A", "\x1b[P")),
+    *(("\x1b[1;5A", 0, "ctrl+up"), ("\x1b[1;2A", 0, "shift+up"), ("\x1b[24~", 0, "f12")),
+    *(("\x1b[Z", 0, "shift+tab"), ("\x1b[3~", 0, "delete"), ("\x1b[3$", 0, "shift+delete")),
+    *(("\x1b[H", 0, "home"), ("\x1b[7~", 0, "home"), ("\x1b[5^", 0, "ctrl+pageup")),
+    *(("\x1bOM", 0, "enter"), ("\x1b[1;129B", 0, "down"), ("\x7f\r\t", 0, "backspace enter tab")),
+    ("\x18rR", 0, "ctrl+x r R"),
+    # letters of other alphabets are keys by their place, é of AZERTY is the digit of its place
+    *(
+        (f"\x1b[{ord(a)};5u", 0, f"ctrl+{b}")
+        for a, b in zip("йячсмфыςερψ", "qzxcvaswerc", strict=True)
+    ),
+    ("\x1b[233::50;3u", 0, "alt+2"),
+    *((sent, 0, "ctrl+x") for sent in X_OF_ANY_LAYOUT),
+    # a key that is let go is none
+    *((sent, 0, "") for sent in ("\x1b[120;5:3u", "\x1b[97;1:3;97u", "\x1b[1;1:3A", "\x1b[3;1:3~")),
+]
 
 
-def test_of_two_escapes_the_second_may_begin_a_sequence() -> None:
-    assert typed("\x1b\x1b[A\x18").keys == ["escape", "up", "ctrl+x"]
-    assert typed("\x1b\x1b").keys == ["escape", "escape"]
-    assert typed("\x1b\x1b", "n", gap=0.12).keys == ["escape", "escape", "n"]
+@pytest.mark.parametrize(("sent", "gap", "keys"), KEYS, ids=range(len(KEYS)))
+def test_what_is_read_is_these_keys_and_no_text_of_a_sequence(
+    sent: str, gap: float, keys: str
+) -> None:
+    pressed = typed(*sent.split("|"), gap=gap)
+    assert pressed.keys == keys.split()
+    assert pressed.text == "".join(key for key in pressed.keys if len(key) == 1)
 
 
 @pytest.mark.parametrize("char", list("[]P_^X"))
@@ -117,17 +208,6 @@ def test_stop_behind_it_is_not_held(char: str) -> None:
     keyboard = Typed().read("\x1b").read(char, after=0.3).read("\x18", after=0.1)
     assert keyboard.keys[-1] == "ctrl+x"
     assert keyboard.text == char
-
-
-def test_a_key_whose_escape_came_before_it_is_that_key() -> None:
-    assert typed("\x1b", "[A", gap=0.3).keys == ["escape", "up"]
-    assert typed("\x1b", "[[A", gap=0.3).keys == ["escape", "f1"]
-
-
-def test_an_incomplete_sequence_is_waited_for_and_dropped() -> None:
-    assert typed("\x1b[1;", "5A", gap=0.45).keys == ["ctrl+up"]
-    assert typed("\x1b[1;", "r", gap=0.55).keys == ["r"]
-    assert typed("\x1bO", "P", gap=0.4).keys == ["f1"]
 
 
 @pytest.mark.parametrize("sent", SENT)
@@ -161,11 +241,6 @@ def test_an_answer_of_the_terminal_is_nothing_that_acts(answer: str) -> None:
 )
 def test_so_is_one_with_controls_of_8_bits_or_beyond_ascii(answer: bytes) -> None:
     assert typed(answer + b"r").keys == ["r"]
-
-
-def test_a_string_without_an_end_is_over_after_half_a_second() -> None:
-    assert typed("\x1b]52;c;AAAA", "gr7", "r", gap=0.45).keys == []
-    assert typed("\x1b]52;c;AAAA", "r", gap=0.55).keys == ["r"]
 
 
 def test_a_string_that_does_not_end_is_not_kept_and_a_pause_ends_it() -> None:
@@ -204,32 +279,6 @@ def test_a_paste_in_a_flood_keeps_no_stop() -> None:
     assert keyboard.read("r", after=0.12).keys == ["ctrl+x", "r"]
 
 
-@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
-def test_stop_ends_a_sequence_and_acts(begun: str) -> None:
-    assert typed(f"{begun}\x18r").keys == ["ctrl+x", "r"]
-    assert typed(f"{begun}\x1ar").keys == ["r"]
-
-
-@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
-def test_an_escape_in_a_sequence_begins_another_one(begun: str) -> None:
-    assert typed(f"{begun}\x1b[Ar").keys == ["up", "r"]
-    assert typed(begun, "\x1b", "r", gap=0.6).keys == ["escape", "r"]
-
-
-def test_a_long_answer_whose_escape_came_before_it_is_nothing_that_is_typed() -> None:
-    assert typed("\x1b", "]l" + "gr7 " * 100, gap=0.3).keys == ["escape"]
-
-
-def test_a_control_sequence_ends_at_what_cannot_be_in_one() -> None:
-    assert typed("\x1b[1;\rr").keys == ["enter", "r"]
-    assert typed("\x1b[1;ör").text == "ör"
-
-
-def test_an_endless_control_sequence_is_no_key() -> None:
-    assert typed("\x1b[" + "1" * 100_000 + "ur").keys == ["r"]
-    assert typed("\x1b[1;" + "0" * 300 + "5Ar").keys == ["r"]
-
-
 @pytest.mark.parametrize(
     ("sent", "name"),
     [
@@ -247,10 +296,6 @@ def test_what_textual_reads_it_gets(sent: str, name: str) -> None:
     for at in range(1, len(sent)):
         assert typed(sent[:at], sent[at:], gap=0.05).names == [name]
     assert typed("\x1b", sent[1:], gap=0.3).names == ["Key", name]
-
-
-def test_the_older_forms_of_mouse_reports_are_no_keys() -> None:
-    assert typed("\x1b[M !!r\x1b[35;10;10Mr").keys == ["r", "r"]
 
 
 @pytest.mark.parametrize(
@@ -280,6 +325,10 @@ def test_what_textual_stumbles_over_ends_nothing(monkeypatch: pytest.MonkeyPatch
 # text
 
 
+def test_letters_beyond_ascii_end_a_control_sequence_and_are_text() -> None:
+    assert typed("\x1b[1;ör").text == "ör"
+
+
 def test_letters_of_several_bytes_come_in_pieces() -> None:
     assert typed(*[bytes([byte]) for byte in "жß€\N{SNOWMAN}".encode()], gap=0.05).text == "жß€☃"
 
@@ -289,46 +338,7 @@ def test_what_is_no_utf_8_is_unreadable_and_stop_behind_it_acts() -> None:
     assert typed(b"\xe4", b"\x18", gap=0.2).keys == ["ctrl+x"]
 
 
-def test_keys_of_all_terminals() -> None:
-    sent = {
-        **{"\x1b[A": "up", "\x1bOA": "up", "\x1b[1;5A": "ctrl+up", "\x1b[1;2A": "shift+up"},
-        **{"\x1bOP": "f1", "\x1b[11~": "f1", "\x1b[[A": "f1", "\x1b[P": "f1", "\x1b[24~": "f12"},
-        **{"\x1b[Z": "shift+tab", "\x1b[3~": "delete", "\x1b[3$": "shift+delete"},
-        **{"\x1b[H": "home", "\x1b[7~": "home", "\x1b[5^": "ctrl+pageup", "\x1bOM": "enter"},
-        **{"\x7f": "backspace", "\r": "enter", "\t": "tab", "\x18": "ctrl+x", " ": "space"},
-        **{"r": "r", "R": "R", "?": "question_mark", "\x1b[1;129B": "down"},
-    }
-    assert {one: typed(one).keys for one in sent} == {one: [key] for one, key in sent.items()}
-
-
 # kitty's protocol
-
-
-@pytest.mark.parametrize(
-    "sent",
-    [
-        *("\x1b[120;5u", "\x1b[1095;5u", "\x1b[1095::120;5u", "\x1b[967;5u", "\x1b[967::120;5u"),
-        *("\x1b[27;5;88~", "\x1b[27;5;120~", "\x1b[88;5u", "\x1b[120;69u", "\x1b[120;133u"),
-        *("\x1b[1063;5u", "\x1b[120:88;5:1u", "\x1b[120::98;5u", "\x1b[1095:1063:120;5:2;u"),
-    ],
-)
-def test_stop_is_stop_under_any_layout(sent: str) -> None:
-    assert typed(sent).keys == ["ctrl+x"]
-    assert typed(sent).text == ""
-
-
-@pytest.mark.parametrize(
-    ("letters", "keys"),
-    [("йячсмфывхэё", "qzxcvasd['`"), ("Чіїєґ", "xs]'\\"), ("ςερχψωβΧ", "werxcvbx")],
-)
-def test_letters_of_other_alphabets_are_keys_by_their_place(letters: str, keys: str) -> None:
-    pressed = [typed(f"\x1b[{ord(letter)};5u").keys for letter in letters]
-    assert pressed == [typed(f"\x1b[{ord(key)};5u").keys for key in keys]
-
-
-def test_the_base_layout_tells_where_the_alphabet_is_unknown() -> None:
-    assert typed("\x1b[1513::120;5u").keys == ["ctrl+x"]  # Hebrew
-    assert typed("\x1b[233::50;3u").keys == ["alt+2"]  # é of AZERTY
 
 
 @pytest.mark.parametrize(
@@ -372,11 +382,6 @@ def test_keys_that_are_no_text(sent: str, key: str, character: str | None) -> No
     assert (message.key, message.character) == (key, character)
 
 
-@pytest.mark.parametrize("sent", ["\x1b[120;5:3u", "\x1b[97;1:3;97u", "\x1b[1;1:3A", "\x1b[3;1:3~"])
-def test_a_key_that_is_let_go_is_none(sent: str) -> None:
-    assert typed(sent).messages == []
-
-
 # the mouse
 
 
@@ -402,7 +407,7 @@ def test_each_step_of_the_wheel_counts() -> None:
     assert typed(moves(5, 97)).names == ["MouseScrollDown"] * 5
 
 
-# all of it
+# keys among answers and pastes
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -447,3 +452,186 @@ def test_whatever_came_before_stop_alone_is_stop(seed: int) -> None:
         keyboard.read("\x18", after=0.12)
         assert keyboard.keys[-1:] == ["ctrl+x"], data
         keyboard.messages.clear()
+
+
+# pastes: text or nothing, whatever is in them, however they come, and never keys
+
+ESCAPES = ["\x1b", "\x1b[27u", "\x1b[27;1u", "\x1b[27;129u"]
+
+
+def stalled() -> Typed:
+    """A paste of which nothing has come for a while."""
+    return Typed().read(BEGIN + "12").wait(2.2)
+
+
+def test_a_paste_is_one_text_whatever_is_in_it() -> None:
+    pressed = typed(f"{BEGIN}1\x18 \x1b é\x00\r\n\x1b[A\x1b]11;x\a{END}r")
+    assert pressed.pastes == ["1\x18 \x1b é\x00\r\n\x1b[A\x1b]11;x\a"]
+    assert pressed.names == ["Paste", "Key"]
+
+
+def test_it_may_come_in_pieces_with_short_silences() -> None:
+    assert typed(BEGIN, "12", "3", END, "r", gap=1.9).pastes == ["123"]
+    assert typed(f"{BEGIN}12", "r", "s", END, gap=0.5).names == ["Paste"]
+
+
+@pytest.mark.parametrize("marks", [(BEGIN, END), ("\x9b200~", "\x9b201~")])
+@pytest.mark.parametrize("gap", [0.02, 0.3])
+def test_it_may_be_cut_anywhere(gap: float, marks: tuple[str, str]) -> None:
+    sent = (marks[0] + "12 \x18é" + marks[1] + "r").encode()
+    for at in range(1, len(sent)):
+        pressed = typed(sent[:at], sent[at:], gap=gap)
+        assert pressed.pastes == ["12 \x18é"], at
+        assert pressed.keys in (["r"], ["escape", "r"])
+
+
+def test_several_come_one_after_another() -> None:
+    assert typed(f"{BEGIN}1{END}{BEGIN}2{END}{BEGIN}{END}r").pastes == ["1", "2", ""]
+    assert len(typed(f"{BEGIN}1{END}" * 5000 + "r").pastes) == 5000
+    assert typed(f"{END}r").keys == ["r"]  # an end without a paste
+
+
+def test_the_text_is_bounded() -> None:
+    keyboard = Typed().read(BEGIN)
+    for _ in range(20):
+        keyboard.read("A" * (PASTE_LIMIT // 16))
+    assert keyboard.read(f"{END}r").keys == ["r"]
+    assert keyboard.pastes == ["A" * PASTE_LIMIT]
+
+
+def test_a_paste_that_stalls_is_whole_and_its_way_out_is_said_once() -> None:
+    keyboard = Typed().read(BEGIN + "12")
+    assert keyboard.wait(1.9).names == []
+    assert keyboard.wait(0.3).names == ["PasteStalled"]
+    keyboard.read("34").wait(60.0).read(f"5{END}r")
+    assert keyboard.names == ["PasteStalled", "Paste", "Key"]
+    assert keyboard.pastes == ["12345"]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.05, 0.12, 2.5])
+@pytest.mark.parametrize("length", [1, 2, 7])
+def test_nothing_of_a_paste_that_stalls_is_a_key(length: int, gap: float) -> None:
+    text = (
+        ("agrsyq7\r\x18gr" if length > 1 else "agrsyq7\rgr") * 3
+        + "éчжß"
+        + "\x1b[A\x1bOP\x1b[114;;114u" * (length > 1)
+        + "r" * 20
+    )
+    rest, keyboard = text.encode(), stalled()
+    for at in range(0, len(rest), length):
+        keyboard.read(rest[at : at + length], after=gap)
+    assert keyboard.keys == []
+    assert keyboard.read(END, after=gap).read("r").keys == ["r"]
+    assert keyboard.pastes == [f"12{text}"]
+
+
+@pytest.mark.parametrize("gap", [0.02, 0.3, 2.5])
+def test_the_late_end_may_come_in_two_pieces(gap: float) -> None:
+    for at in range(1, len(END)):
+        keyboard = stalled().read("34" + END[:at]).read(END[at:] + "r", after=gap)
+        assert (keyboard.keys, keyboard.pastes) == (["r"], ["1234"]), at
+
+
+def test_the_end_may_begin_before_the_paste_stalls() -> None:
+    keyboard = Typed().read(f"{BEGIN}12\x1b[20").read("1~r", after=2.5)
+    assert keyboard.names == ["PasteStalled", "Paste", "Key"]
+
+
+@pytest.mark.parametrize("sent", STOPS)
+@pytest.mark.parametrize("times", [2, 3, 40])
+def test_a_stop_that_is_held_ends_a_paste_too(sent: str, times: int) -> None:
+    pressed = Typed().read(BEGIN + "12").wait(0.3).read(sent * times)
+    assert pressed.keys[:1] == ["ctrl+x"]
+
+
+@pytest.mark.parametrize("state", ["new", "stalled", "rest"])
+@pytest.mark.parametrize(
+    ("sent", "key"), [*((e, "escape") for e in ESCAPES), *((s, "ctrl+x") for s in STOPS)]
+)
+def test_escape_or_stop_alone_ends_any_paste_and_acts(state: str, sent: str, key: str) -> None:
+    keyboard = Typed().read(BEGIN + "12") if state == "new" else stalled()
+    if state == "rest":
+        keyboard.read("34")
+    keyboard.read(sent, after=0.6 if key == "escape" else 0.12)
+    assert keyboard.keys == ([] if key == "escape" else ["ctrl+x"])  # which waits for nothing
+    keyboard.wait(0.6)
+    assert [name for name in keyboard.names if name != "PasteStalled"] == ["PasteCut", "Key"]
+    assert keyboard.keys == [key]
+    assert keyboard.read("r").keys[1:] == ["r"]
+    assert keyboard.pastes == []
+
+
+def test_of_an_end_mark_byte_by_byte_only_the_escape_is_a_key() -> None:
+    keyboard = Typed()
+    for char in f"{BEGIN}12":
+        keyboard.read(char)
+    for char in f"{END}[r":
+        keyboard.read(char, after=2.5)
+    assert keyboard.keys == ["escape", "left_square_bracket", "r"]
+
+
+@pytest.mark.parametrize("sent", ESCAPES)
+@pytest.mark.parametrize(("before", "behind"), [(0.4, 2.0), (2.0, 0.4), (0.4, 0.4)])
+def test_an_escape_near_text_is_text(sent: str, before: float, behind: float) -> None:
+    keyboard = Typed().read(BEGIN + "12").read(sent, after=before).read("3", after=behind)
+    assert keyboard.keys == []
+    assert keyboard.wait(5.0).read(END).pastes == [f"12{sent}3"]
+
+
+@pytest.mark.parametrize("sent", ["\x1b", "\x1b[", "\x1bO", "\x1b]"])
+def test_the_silence_behind_what_is_not_complete_is_looked_at_soon(sent: str) -> None:
+    assert Typed().read(sent).keyboard.is_waiting
+    assert stalled().read("\x1b").keyboard.is_waiting
+    assert not Typed().read("r").keyboard.is_waiting
+    assert not stalled().keyboard.is_waiting
+
+
+@pytest.mark.parametrize("sent", ["\x1b", "\x18"])
+def test_amid_text_they_are_text(sent: str) -> None:
+    assert typed(f"{BEGIN}1{sent}2", f"3{sent}", f"{sent}4{END}", gap=0.5).pastes == [
+        f"1{sent}23{sent}{sent}4"
+    ]
+    assert typed(f"{BEGIN}1", sent, f"2{END}", gap=0.05).pastes == [f"1{sent}2"]
+
+
+def test_an_end_mark_behind_the_escape_that_ended_the_paste_is_no_key() -> None:
+    keyboard = Typed().read(BEGIN + "12").read("\x1b", after=0.6).read("[201~r", after=0.6)
+    assert keyboard.names == ["PasteCut", "Key", "Key"]
+    assert keyboard.keys == ["escape", "r"]
+
+
+@pytest.mark.parametrize("pause", [0.3, 2.5])
+def test_a_second_paste_is_taken_though_the_first_one_has_no_end(pause: float) -> None:
+    keyboard = Typed().read(BEGIN + "12").read(f"{BEGIN}34{END}", after=pause)
+    assert [name for name in keyboard.names if name != "PasteStalled"] == ["PasteCut", "Paste"]
+    assert keyboard.pastes == ["34"]
+
+
+def test_a_mouse_that_moves_hides_no_stop_and_is_no_text() -> None:
+    keyboard = Typed().read(BEGIN + "12").wait(0.5)
+    for column in range(1, 30):
+        keyboard.read(f"\x1b[<35;{column};1M", after=0.04)
+    assert keyboard.read("\x18", after=0.04).keys == ["ctrl+x"]
+    assert set(keyboard.names) == {"MouseMove", "PasteCut", "Key"}
+    keyboard = Typed().read(BEGIN + "12").read(f"\x1b[I3{END}\x1b[<0;1;1M")
+    assert keyboard.names == ["AppFocus", "Paste", "MouseDown"]
+    assert keyboard.pastes == ["123"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_paste_is_ever_keys(seed: int) -> None:
+    """Any text without escapes and STOPs in any pieces, with any silences, its end lost or not."""
+    chance = random.Random(seed)
+    keyboard = Typed()
+    for _ in range(5):
+        text = "".join(chance.choices("agrsyq7\r\n [éч", k=chance.randint(40, 200)))
+        sent = (BEGIN + text + chance.choice([END, END, ""])).encode()
+        cut = len(BEGIN) + 1
+        keyboard.read(sent[:cut], after=0.3)
+        while len(sent) > cut:
+            begin, cut = cut, cut + chance.randint(1, 30)
+            if len(sent) - len(END) < cut and sent.endswith(END.encode()):
+                cut = len(sent)  # of an end mark in pieces the first may be an escape alone
+            keyboard.read(sent[begin:cut], after=chance.choice([0.0, 0.05, 0.12, 0.5, 2.5]))
+    keyboard.read(END).wait(LONG)
+    assert keyboard.keys == []

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import re
-import signal
-import time
 from pathlib import Path
 
 import pytest
 
-from archo_tui.base.paths import journal_file
 from archo_tui.robot.stop.gate import NOT_SENT
-from archo_tui.screen.keyed_app import HELD
-from tests.support import chosen
 from tests.support.night import corners
 from tests.support.terminal import Start, Terminal, said, until_said
 from tests.support.waiting import wait_until
@@ -49,25 +44,6 @@ def test_a_release_typed_behind_a_stop_is_sent(start: Start) -> None:
     assert terminal.exit_code() == 0
 
 
-@pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["g12 7\r\x18"]))
-def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, start: Start) -> None:
-    terminal = start(*CART, shows="80.0 %")
-    terminal.until("Cart")
-    terminal.until("online")
-    terminal.write(typed)
-    until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
-    terminal.until(NOT_SENT)  # the journal has it sooner than the queue
-    terminal.write("g5\r")
-    until_said("drives to 5")
-    terminal.write("\x18")
-    # whichever the cart takes first: STOP, or the cancel of a goal that it accepts behind STOP
-    ended = re.compile("shelf 5 (aborted|cancelled)")
-    wait_until(lambda: any(map(ended.search, said())), ended.pattern)
-    terminal.write("\x11")
-    assert terminal.exit_code() == 0
-    assert [text for text in said() if "drives" in text] == ["drives to 5"]
-
-
 @pytest.mark.parametrize("typed", ["g12\r\t\x18", "g12\t\r\x18"])  # By enter, and by Go.
 def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
     typed: str, start: Start
@@ -83,16 +59,26 @@ def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
     assert not [text for text in said() if "accepted" in text]
 
 
-@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there its service may not be found yet")
-def test_a_command_typed_before_a_stop_is_not_sent(start: Start) -> None:
+def test_a_goal_and_a_command_typed_before_a_stop_are_not_sent(start: Start) -> None:
     terminal = start(*CART, shows="80.0 %")
     terminal.until("Blink")
+    terminal.until("online")
+    terminal.write("g12\r\x18")
+    until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
+    terminal.until(NOT_SENT)  # the journal has it sooner than the queue
+    terminal.write("g5\r")
+    until_said("drives to 5")
+    terminal.write("\x18")
+    # whichever the cart takes first: STOP, or the cancel of a goal that it accepts behind STOP
+    ended = re.compile("shelf 5 (aborted|cancelled)")
+    wait_until(lambda: any(map(ended.search, said())), ended.pattern)
     terminal.write("b\x18")
-    until_said("STOP: confirmed", f"blink: {NOT_SENT}")
+    until_said(f"blink: {NOT_SENT}")
     terminal.write("b")
     until_said("blinked")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
+    assert [text for text in said() if "drives" in text] == ["drives to 5"]
     assert said().count("blinked") == 1
 
 
@@ -110,43 +96,3 @@ def test_a_command_right_before_the_end_is_carried_out(start: Start) -> None:
     terminal.write("c\x11")
     assert terminal.exit_code() == 0
     assert "charge: Charging" in said()
-
-
-class LetGo(Exception):
-    """A busy machine did not come to repeat a key in time."""
-
-
-def hold(terminal: Terminal, key: str, seconds: float) -> None:
-    """Hold a key: it comes alone, then again and again."""
-    terminal.write(key)
-    last, pause = time.monotonic(), 0.3
-    end = last + seconds
-    while last < end:
-        terminal.read_for(pause)
-        if time.monotonic() - last > HELD - 0.1:
-            raise LetGo
-        terminal.write(key)
-        last, pause = time.monotonic(), 0.03
-
-
-def test_enter_held_in_parameters_sets_nothing(start: Start) -> None:
-    def is_told() -> bool:
-        terminal = start()
-        terminal.leave_field()
-        terminal.write("4/max_s")
-        terminal.until("max_s")
-        try:
-            hold(terminal, "\r", 3.0)
-        except LetGo:
-            terminal.kill(signal.SIGKILL)
-            terminal.exit_code()
-            journal_file().unlink()
-            return False
-        terminal.until("press it again")
-        terminal.write("\x1b")
-        terminal.write("\x11")
-        assert terminal.exit_code() == 0
-        assert not [text for text in said() if text.startswith("set ")]
-        return True
-
-    wait_until(is_told)  # anew until the key was held without a pause

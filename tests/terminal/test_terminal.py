@@ -1,9 +1,8 @@
-"""The process in a terminal that goes, stalls, is suspended, or gets signals."""
+"""The process in a terminal that goes, stalls or is suspended; signals, and keys as real bytes."""
 
 from __future__ import annotations
 
 import base64
-import contextlib
 import re
 import signal
 import time
@@ -14,7 +13,7 @@ import pytest
 from archo_tui.base.errors import ArchoError
 from archo_tui.cli.console import require_terminal
 from tests.support.night import corners
-from tests.support.terminal import Start, said, until_said
+from tests.support.terminal import Start, Terminal, said, until_said
 from tests.support.waiting import DEADLINE
 
 SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
@@ -67,7 +66,7 @@ def test_a_running_goal_is_cancelled_first(end: str, start: Start) -> None:
 
 
 def test_a_stray_sigcont_changes_nothing(start: Start) -> None:
-    terminal = start()
+    terminal = start(term="xterm-of-next-year")  # a new name is let in
     for _ in range(3):
         terminal.kill(signal.SIGCONT)
     terminal.write("g7\r")
@@ -111,24 +110,12 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start
         assert found is not None
         return float(found[1] or found[2])
 
-    def draw(seconds: float, *, reading: bool) -> tuple[int, float]:
-        """The whole screen ever anew; returns how often, and how long it took."""
-        began, toggles = time.monotonic(), 0
-        while time.monotonic() < began + seconds:
-            terminal.write("e")
-            toggles += 1
-            end = time.monotonic() + 0.04
-            while (left := end - time.monotonic()) > 0:
-                if reading:
-                    terminal.read(left)
-                else:
-                    time.sleep(left)
-        return toggles, time.monotonic() - began
-
-    before = read()
-    _, took = draw(2.0, reading=True)
-    first = read()
-    toggles, passed = draw(4.0, reading=False)
+    before, toggles = read(), 0
+    end = time.monotonic() + 4.0
+    while time.monotonic() < end:  # nobody reads
+        terminal.write("e")
+        toggles += 1
+        time.sleep(0.1)
     terminal.write("1")
     terminal.output = b""
 
@@ -138,10 +125,7 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start
 
     terminal.until(shows_the_time)
     assert len(terminal.output) < 3_000 * toggles, "what was not read has all been kept"
-    last = read()
-    # the ticks go on as while it was read, and are not 0: a busy machine gives each span its share,
-    # and what is shown may be some of them old; 0.02 % a tick of 0.05 s at most
-    assert (first - last) / passed > 0.25 * min((before - first) / took, 0.02 / 0.05)
+    assert before - read() > 0.3  # of 1.6: the ticks went on
     terminal.write("q")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
@@ -157,34 +141,6 @@ def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(start: Start) -
     terminal.kill(signal.SIGTERM)
     assert terminal.exit_code(reading=False) == 128 + signal.SIGTERM
     assert terminal.settings() == terminal.before
-
-
-FAIL_ONCE = """
-from archo_tui.screen.main import MainScreen
-show, failures = MainScreen.show, [0]
-def failing(self, view, commands):
-    if view.snapshot.goal is not None and not failures[0]:
-        failures[0] = 1
-        raise ZeroDivisionError("of the screen")
-    show(self, view, commands)
-MainScreen.show = failing
-"""
-
-
-def test_a_screen_that_fails_is_started_anew_and_says_why(start: Start) -> None:
-    terminal = start(*SLOW, code=FAIL_ONCE)
-    terminal.write("g12\r")
-    terminal.until("The screen crashed and was restarted; the nodes kept running.")
-    terminal.until("in failing")
-    terminal.until("esc close")
-    terminal.write("\x1b")
-    terminal.until("m left of")  # the goal ran on
-    terminal.write("\x03")
-    terminal.until("CANCELLED")
-    terminal.write("\x11")
-    assert terminal.exit_code() == 0
-    assert terminal.is_as_before()
-    assert "the screen crashed: ZeroDivisionError: of the screen" in said()
 
 
 FAILS_WHEN_OPENED = """
@@ -209,6 +165,7 @@ def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(star
             terminal.write("?")
             terminal.read_for(1.0)
         terminal.until("The screen crashed and was restarted; the nodes kept running.")
+        terminal.until("in fail")  # of the traceback
         terminal.until("esc close")
         terminal.until("m left of")  # the goal ran on
         terminal.write("\x1b")
@@ -216,6 +173,8 @@ def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(star
     terminal.until("CANCELLED")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+    assert "the screen crashed: ZeroDivisionError: of the help" in said()
 
 
 def crashes() -> int:
@@ -285,16 +244,6 @@ def test_a_stop_whose_key_crashes_the_screen_is_sent(start: Start) -> None:
     assert terminal.exit_code() == 0
 
 
-FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
-
-
-def test_a_screen_that_always_fails_is_given_up(start: Start) -> None:
-    terminal = start(code=FAIL_ALWAYS, shows="")
-    assert terminal.exit_code() == 1
-    assert "the screen keeps crashing: ZeroDivisionError: of the screen" in terminal.text
-    assert terminal.is_as_before()
-
-
 def test_after_kill_9_the_last_completed_command_is_in_the_journal(start: Start) -> None:
     terminal = start()
     terminal.write("r")
@@ -340,21 +289,6 @@ def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(start: Sta
     assert "/hanging did not stop: its callback does not return" in terminal.text
 
 
-def test_a_large_terminal_is_drawn_and_stays_alive(start: Start) -> None:
-    terminal = start(size=(380, 100))
-    terminal.write("?")
-    terminal.until("Show all keys")
-    terminal.write("\x1bOP")  # f1 closes it: no escape alone is needed
-    for width, height in ((120, 36), (300, 80)):
-        terminal.output = b""
-        terminal.resize(width, height)
-        terminal.until("1 Battery")
-    terminal.write("r")
-    terminal.until("reset encoder: Encoder reset to zero")
-    terminal.write("q")
-    assert terminal.exit_code() == 0
-
-
 def test_keys_from_the_first_moment_on_are_obeyed(start: Start) -> None:
     terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken, nothing is drawn yet
@@ -365,57 +299,12 @@ def test_keys_from_the_first_moment_on_are_obeyed(start: Start) -> None:
     assert "Traceback" not in terminal.text
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.02])
-def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(delay: float, start: Start) -> None:
+def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(start: Start) -> None:
     terminal = start(shows="")
     terminal.until("\x1b[?1049h")  # the terminal is taken
-    time.sleep(delay)
     terminal.kill(signal.SIGTERM)
     assert terminal.exit_code() == 128 + signal.SIGTERM
     assert terminal.is_as_before()
-
-
-def test_ctrl_c_behind_ctrl_q_changes_nothing(start: Start) -> None:
-    terminal = start()
-    terminal.write("\x11")
-    time.sleep(0.05)
-    with contextlib.suppress(ProcessLookupError):
-        terminal.kill(signal.SIGINT)
-    assert terminal.exit_code() in (0, 128 + signal.SIGINT)
-    assert "Traceback" not in terminal.text
-    assert terminal.is_as_before()
-
-
-@pytest.mark.parametrize("piece", corners([2], [5]))
-def test_a_paste_whose_marks_come_in_two_pieces_is_text(piece: int, start: Start) -> None:
-    terminal = start()
-    terminal.leave_field()
-    terminal.write("/")
-    terminal.until("ype to search")
-    begin, end = "\x1b[200~", "\x1b[201~"
-    terminal.write(begin[:piece])
-    time.sleep(0.15)
-    terminal.write(f"{begin[piece:]}wheel\x18{end[:piece]}")
-    time.sleep(0.15)
-    terminal.write(end[piece:])
-    terminal.output = b""
-    terminal.write("_r")
-    terminal.until("wheel")
-    terminal.write("\x18")  # a key again
-    until_said("STOP: confirmed")
-    terminal.write("\x1b\x11")
-    assert terminal.exit_code() == 0
-    assert said("command") == ["STOP: confirmed"]
-
-
-def test_a_paste_whose_end_is_lost_does_not_swallow_stop(start: Start) -> None:
-    terminal = start(term="xterm-of-next-year")  # a new name is let in
-    terminal.write("\x1b[200~12")
-    time.sleep(2.5)
-    terminal.write("\x18")
-    until_said("STOP: confirmed")
-    terminal.write("\x11")
-    assert terminal.exit_code() == 0
 
 
 def test_a_terminal_that_cannot_show_a_screen_is_refused(start: Start) -> None:
@@ -426,13 +315,11 @@ def test_a_terminal_that_cannot_show_a_screen_is_refused(start: Start) -> None:
     assert b"\x1b[?1049h" not in terminal.output
 
 
-@pytest.mark.parametrize(
-    ("term", "said"), [("", "TERM is not set: "), ("unknown", "TERM is unknown: ")]
-)
-def test_so_is_one_without_a_name(term: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", term)
-    with pytest.raises(ArchoError, match=said):
-        require_terminal(None)
+def test_so_is_one_without_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    for term, why in (("", "TERM is not set: "), ("unknown", "TERM is unknown: ")):
+        monkeypatch.setenv("TERM", term)
+        with pytest.raises(ArchoError, match=why):
+            require_terminal(None)
 
 
 def test_the_third_failure_of_the_screen_cancels_the_goal(start: Start) -> None:
@@ -444,6 +331,17 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(start: Start) -> None:
     assert crashes() == 3
 
 
+FAIL_ONCE = """
+from archo_tui.screen.main import MainScreen
+show, failures = MainScreen.show, [0]
+def failing(self, view, commands):
+    if view.snapshot.goal is not None and not failures[0]:
+        failures[0] = 1
+        raise ZeroDivisionError("of the screen")
+    show(self, view, commands)
+MainScreen.show = failing
+"""
+FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
 GIVES_UP_LATER = """
 import pathlib, time
 from archo_tui.cli import console
@@ -467,6 +365,7 @@ def test_a_stop_typed_behind_the_third_failure_is_sent(
     (tmp_path / "go").touch()
     assert terminal.exit_code() == 1
     assert "STOP: confirmed" in said()
+    assert "the screen keeps crashing: ZeroDivisionError: of the screen" in terminal.text
     assert terminal.is_as_before()
 
 
@@ -548,3 +447,87 @@ def test_with_256_colours_no_surface_turns_blue_or_black(start: Start) -> None:
     greys, stop, track = {*range(232, 256)}, 124, 16  # A scroll bar is black with all colours, too.
     assert behind & greys
     assert behind <= {*greys, track, stop}
+
+
+BEGIN, END = "\x1b[200~", "\x1b[201~"
+CUT = "The paste was cut off"
+RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: confirmed"
+
+
+@pytest.fixture
+def terminal(start: Start) -> Terminal:
+    return start()
+
+
+def ordered_at_the_end(terminal: Terminal) -> list[str]:
+    """What was ordered, when it ends by its key."""
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert "Traceback" not in terminal.text
+    return said("command")
+
+
+def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> None:
+    times = []
+    for _ in range(5):  # a busy machine may be late now and then
+        terminal.output = b""
+        terminal.write("?")
+        terminal.until("Show all keys")
+        terminal.output = b""
+        began = time.monotonic()
+        terminal.write("\x1b")
+        terminal.until("max_speed")  # what was behind the help
+        times.append(time.monotonic() - began)
+    terminal.write("r")
+    until_said(RESET)
+    assert min(times) < 0.4  # 0.15, and what it takes to draw
+    assert ordered_at_the_end(terminal) == [RESET]
+
+
+@pytest.mark.parametrize("before", ["", "?", "\x10", "12"])  # in the field, help, the palette
+def test_escape_and_a_digit_at_once_lead_to_a_panel(before: str, terminal: Terminal) -> None:
+    terminal.write(before)
+    terminal.read_for(0.3)
+    terminal.write("\x1b8")  # as tmux sends both; it might be alt+8
+    terminal.until("MoveToShelf")  # Graph, over the whole screen
+    terminal.write("\x1b6\x1b\x18")
+    until_said(STOP)
+    assert ordered_at_the_end(terminal) == [STOP]
+
+
+def test_the_keys_of_other_layouts_are_asked_for(terminal: Terminal) -> None:
+    assert b"\x1b[<u\x1b[>5u" in terminal.output  # in place of Textual's, under which text is keys
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert b"\x1b[<u" in terminal.output
+
+
+def test_the_rest_of_a_paste_that_stalled_is_text_and_that_is_said(
+    terminal: Terminal,
+) -> None:
+    terminal.leave_field()
+    terminal.write("/")
+    terminal.until("ype to search")
+    terminal.write(f"{BEGIN}whe")
+    terminal.until("The paste has not ended: what you type is added to it")
+    for char in "el_rsr":
+        terminal.write(char)
+        terminal.read_for(0.3)
+    terminal.write(f"\x18r{END}")
+    terminal.write(f"{BEGIN}12")
+    terminal.read_for(0.3)
+    terminal.write("\x18")
+    until_said(STOP, deadline=1.5)  # alone it ends a paste before that stalls
+    terminal.until(CUT)
+    assert ordered_at_the_end(terminal) == [STOP]
+
+
+def test_stop_behind_two_thousand_mouse_moves_waits_for_none_of_them(terminal: Terminal) -> None:
+    moves = "".join(f"\x1b[<35;{n % 100 + 1};{n % 30 + 1}M" for n in range(2000))
+    began = time.monotonic()
+    for at in range(0, len(moves), 1000):  # a terminal takes a few thousand bytes at once
+        terminal.write(moves[at : at + 1000])
+    terminal.write("\x1b[1095::120;5u")  # ctrl+x under a Russian layout
+    until_said(STOP)
+    assert time.monotonic() - began < 1.5
+    assert ordered_at_the_end(terminal) == [STOP]

@@ -7,11 +7,9 @@ class that inherits from one of Textual's with the same name, on purpose or by a
 
 from __future__ import annotations
 
-import ast
 import importlib
 import inspect
 import re
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -29,7 +27,7 @@ KNOWN = {
     "base.py": "_compositor_refresh _repaint_required",
     "dialog.py": "_bindings",
     "main.py": "_compositor_refresh",
-    "terminal/app.py": "_context _handle_exception _styles_cache",
+    "terminal/app.py": "_context _handle_exception _skip _styles_cache",
     "terminal/driver.py": "_writer_thread",
     "terminal/keyboard.py": "_xterm_parser",
     "terminal/stop_marks.py": "_prevent",
@@ -38,93 +36,45 @@ KNOWN = {
 }
 
 
-def is_private(name: str) -> bool:
-    return name.startswith("_") and not name.endswith("_") and name not in ("_replace", "_asdict")
+_DEFINED = re.compile(
+    r"(?:\b(?:self\.|def |class )|^ *)(_[a-z]\w*[a-z])(?=\(| ?[:=,])", re.MULTILINE
+)
 
 
 @cache
-def tree_of(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def names_in(file: Path) -> set[str]:
+    return {*_DEFINED.findall(file.read_text(encoding="utf-8"))}
+
+
+def defined_in(*files: Path) -> set[str]:
+    """The private names that sources define: functions, classes, attributes."""
+    return set().union(*map(names_in, files))
 
 
 @cache
-def nodes_of(tree: ast.AST) -> tuple[ast.AST, ...]:
-    """All nodes of a source, which is looked through several times."""
-    return tuple(ast.walk(tree))
+def foreign_names() -> set[str]:
+    """Those that Textual defines and the console does not."""
+    return defined_in(*TEXTUAL.rglob("*.py")) - defined_in(*SCREEN.rglob("*.py"))
 
 
-def defined_in(tree: ast.AST) -> set[str]:
-    """The private names that a source defines: functions, classes, attributes; no local ones."""
-    found = set()
-    for node in nodes_of(tree):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            found.add(node.name)
-        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
-            found.add(node.attr)
-        if isinstance(node, (ast.ClassDef, ast.Module)):
-            lines = [line for line in node.body if isinstance(line, (ast.Assign, ast.AnnAssign))]
-            names = [name for line in lines for name in ast.walk(line)]
-            found |= {name.id for name in names if isinstance(name, ast.Name)}
-    return {name for name in found if is_private(name)}
-
-
-@cache
-def own_names() -> set[str]:
-    return set().union(*(defined_in(tree_of(ROOT / module)) for module in MODULES))
-
-
-@cache
-def textuals_names(file: str) -> set[str]:
-    return defined_in(tree_of(Path(file)))
-
-
-@cache
-def all_of_textuals_names() -> set[str]:
-    texts = [path.read_text(encoding="utf-8") for path in TEXTUAL.rglob("*.py")]
-    return set(re.findall(r"\b(?:self\.|def |class )(_\w+)", "".join(texts)))
-
-
-def inherited(kind: type) -> set[str]:
-    """The private names of what a class inherits from Textual."""
-    files = {inspect.getsourcefile(b) for b in kind.__mro__ if b.__module__.startswith("textual")}
-    return set().union(*(textuals_names(file) for file in files if file))
-
-
-def imported(tree: ast.Module) -> Iterator[str]:
-    """Private modules of Textual, and private names of its modules."""
-    for node in nodes_of(tree):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("textual"):
-            module = (node.module or "").rpartition(".")[2]
-            yield from [module] if is_private(module) else []
-            yield from (alias.name for alias in node.names if is_private(alias.name))
-
-
-def of_others(tree: ast.Module) -> Iterator[str]:
-    """Private attributes of objects that are not the class's own."""
-    theirs = all_of_textuals_names() - own_names()
-    for node in nodes_of(tree):
-        if isinstance(node, ast.Attribute) and node.attr in theirs and is_private(node.attr):
-            itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
-            if not itself:
-                yield node.attr
-
-
-def shared(module: str, tree: ast.Module) -> Iterator[str]:
-    """Private names that a class has in common with what it inherits from Textual."""
-    loaded = importlib.import_module(module.removesuffix(".py").replace("/", "."))
-    for node in tree.body:
-        kind = getattr(loaded, node.name, None) if isinstance(node, ast.ClassDef) else None
-        if isinstance(kind, type):
-            used = {part.attr for part in ast.walk(node) if isinstance(part, ast.Attribute)}
-            yield from (used | defined_in(node)) & inherited(kind)
+def shared_names(kind: type) -> set[str]:
+    """Those that a class has in common with what it inherits from Textual."""
+    used = re.findall(r"\b(?:self\.|cls\.|def )(_\w+)", inspect.getsource(kind))
+    bases = [base for base in kind.__mro__ if base.__module__.startswith("textual")]
+    return {*used} & defined_in(*(Path(inspect.getfile(base)) for base in bases))
 
 
 def found_in(module: str) -> str:
-    tree = tree_of(ROOT / module)
-    names = {*imported(tree), *of_others(tree)}
-    if any(isinstance(node, ast.ClassDef) for node in tree.body):
-        names |= set(shared(module, tree))
-    return " ".join(sorted(name for name in names if is_private(name)))
+    text = (ROOT / module).read_text(encoding="utf-8")
+    loaded = importlib.import_module(module.removesuffix(".py").replace("/", "."))
+    found = {*re.findall(r"(?<!self)(?<!cls)\.(_[a-z]\w*)", text)} & foreign_names()
+    found |= {*re.findall(r"^from textual[\w.]*\.(_\w+) import", text, re.MULTILINE)}
+    for names in re.findall(r"^from textual\S* import (.*)", text, re.MULTILINE):
+        found |= {*re.findall(r"\b_\w+", names)}
+    for kind in vars(loaded).values():
+        if isinstance(kind, type) and kind.__module__ == loaded.__name__:
+            found |= shared_names(kind)
+    return " ".join(sorted(found - {"_replace"}))  # `_replace` is a named tuple's.
 
 
 def test_its_private_names_that_the_console_uses_are_these_and_still_there() -> None:

@@ -16,7 +16,6 @@ from textual.widgets import Input, Static
 from archo_tui.base.errors import ArchoError
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.screen.widgets import parameters_panel
-from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
 from tests.support.night import corners
 
@@ -68,9 +67,7 @@ async def test_a_wrong_value_is_said_and_the_dialog_follows_the_value() -> None:
             ("max_speed", "fast", "not a number: fast"),
             ("max_speed", "9", "allowed 0.05 .. 2, not 9"),
             ("max_speed", "nan", "not a finite number: nan"),
-            ("max_speed", "inf", "not a finite number: inf"),
             ("shelf_count", "1.5", "not a whole number: 1.5"),
-            ("shelf_count", "0", "allowed 1 .. 9999, not 0"),
             ("drain_min", "50", "drain_min 50 is above drain_max 0.2"),
             ("use_sim_time", "maybe", "not true or false: maybe"),
         ):
@@ -79,12 +76,6 @@ async def test_a_wrong_value_is_said_and_the_dialog_follows_the_value() -> None:
             await op.press("escape")
             await op.until(lambda: op.app.screen is op.app.main)
         assert op.app.view.snapshot.parameters == before
-
-        await op.press("escape")
-        await op.press("4", "ctrl+end", "enter")
-        await op.until("ticks_per_revolution is read-only")
-        await op.press("escape")
-        await op.until(lambda: op.app.screen is op.app.main)
 
         await op.press("escape")
         await op.press("4")
@@ -161,7 +152,12 @@ async def test_u_undoes_the_last_change_and_asks_if_another_came_since() -> None
         await op.until("0.8    double   0.05 .. 2")
         await op.until("set motor_controller max_speed 0.8: max_speed is 0.8, was")
 
-        await undo_what_changed_since(op)
+        await edit(op, "max_speed", "0.4")
+        await op.until("0.4 *  double")
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("1.25 *  double")
+        await op.press("4")
+        await undo(op)
         await op.until("max_speed has since changed to 1.25. Restore 0.8?")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
@@ -170,25 +166,6 @@ async def test_u_undoes_the_last_change_and_asks_if_another_came_since() -> None
         await op.until("Restore 0.8?")
         await op.press("tab", "enter")
         await op.until("0.8    double   0.05 .. 2")
-
-        await undo_what_changed_since(op)
-        await op.until("Restore 0.8?")
-        threshold = {"low_battery_threshold": 30.0}  # as from a shell, beside the question
-        assert (await op.app.station.set_parameters("/battery_monitor", threshold)).ok
-        await op.press("y")
-        await op.until("another change is the last one now: nothing was undone")
-        values = {p.name: p.value for p in op.app.view.snapshot.parameters}
-        assert (values["low_battery_threshold"], values["max_speed"]) == (30.0, 1.25)
-
-
-async def undo_what_changed_since(op: Console) -> None:
-    """`u` behind a change of the operator's and one of somebody else."""
-    await edit(op, "max_speed", "0.4")
-    await op.until("0.4 *  double")
-    await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
-    await op.until("1.25 *  double")
-    await op.press("4")
-    await undo(op)
 
 
 async def test_a_filter_finds_by_name_and_says_in_the_title_what_it_hides() -> None:
@@ -233,24 +210,26 @@ async def test_a_filter_finds_by_name_and_says_in_the_title_what_it_hides() -> N
         await op.until("4 Parameters   what differs from the start")
 
 
+async def choose_file(op: Console, key: str, path: str) -> None:
+    """Name a file in the dialog that a key opens."""
+    await op.press("4", key)
+    await op.until("ROS parameter file")
+    op.app.screen.query_one("#path", Input).value = path
+    await op.press("enter")
+
+
 async def test_parameters_are_saved_and_loaded_with_a_preview(
-    here: Path,
+    here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = here / "f.yaml"
     async with console(*FAST) as op:
         before = op.app.view.snapshot.parameters
-        for text, said in (
-            (None, "cannot read the parameter file: No such file"),
-            ("{", "not YAML"),
-            ("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n", "allowed 0.05 .. 2"),
-            ("motor_controller:\n  ros__parameters:\n    max_speed: fast\n", "needs a value"),
+        file.write_text("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n")
+        for path, said in (
+            (str(file), "allowed 0.05 .. 2"),
+            ("~nosuchuser/x", "no home folder is known for ~nosuchuser"),
         ):
-            if text is not None:
-                file.write_text(text)
-            await op.press("4", "ctrl+o")
-            await op.until("ROS parameter file")
-            op.app.screen.query_one("#path", Input).value = str(file)
-            await op.press("enter")
+            await choose_file(op, "ctrl+o", path)
             await op.until(said)
             await op.press("escape")
             await op.until(lambda: op.app.screen is op.app.main)
@@ -259,18 +238,12 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(
         file = here / "mine.yaml"
         await edit(op, "max_speed", "0.4")
         await op.until("0.4 *  double")
-        await op.press("ctrl+s")
-        await op.until("ROS parameter file")
-        op.app.screen.query_one("#path", Input).value = str(file)
-        await op.press("enter")
+        await choose_file(op, "ctrl+s", str(file))
         await op.until(file.exists)
         await op.until(lambda: op.app.screen is op.app.main)
         await undo(op)
         await op.until("0.8    double   0.05 .. 2")
-        await op.press("ctrl+o")
-        await op.until("ROS parameter file")
-        op.app.screen.query_one("#path", Input).value = str(file)
-        await op.press("enter")
+        await choose_file(op, "ctrl+o", str(file))
         await op.until("motor_controller max_speed: 0.8, would be 0.4")
         await op.press("tab", "enter")
         await op.until(lambda: op.text.count("max_speed is 0.4, was 0.8") == 2)
@@ -279,54 +252,17 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(
 
         file = here / "mine.yaml"
         file.write_text("precious")
-        await op.press("4", "ctrl+s")
-        await op.until("ROS parameter file")
-        op.app.screen.query_one("#path", Input).value = str(file)
-        await op.press("enter")
+        await choose_file(op, "ctrl+s", str(file))
         await op.until("already exists: press enter again to overwrite")
         assert file.read_text() == "precious"
         await op.press("enter")
         await op.until(lambda: "max_speed" in file.read_text())
 
-        file = here / "drain.yaml"  # one after the other the first would be refused
-        file.write_text("/**:\n  ros__parameters:\n    drain_min: 5.0\n    drain_max: 6.0\n")
-        await op.press("4", "ctrl+o")
-        await op.until("ROS parameter file")
-        op.app.screen.query_one("#path", Input).value = str(file)
-        await op.press("enter")
-        await op.until("drain_max: 0.2, would be 6.0")
-        await op.press("tab", "enter")
-        await op.until("5.0 *  double")
-        await op.until("6.0 *  double")
+        go_on = asyncio.Event()
 
-
-def shown(op: Console, said: str) -> bool:
-    """True when the dialog's line ends so, wherever it is wrapped."""
-    (line,) = op.app.screen.query(".error").results(Static)
-    return str(line.content).endswith(said)
-
-
-async def test_a_strange_place_is_one_line_and_a_dialog_left_says_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    go_on = asyncio.Event()
-
-    async def slow(function: Any, *words: Any) -> Any:
-        await go_on.wait()
-        raise ArchoError("no such file")
-
-    places = hostile.places(tmp_path) | {"~nosuchuser/x": "no home folder is known for ~nosuchuser"}
-    async with console() as op:
-        for key in ("ctrl+s", "ctrl+o"):
-            await op.press("4", key)
-            field = op.app.screen.query_one("#path", Input)
-            for typed, said in places.items():
-                field.value = typed
-                for _ in range(2):  # what exists is asked about first
-                    await op.press("enter")
-                await op.until(lambda: shown(op, said))  # noqa: B023
-                assert op.app.screen.query("#path")
-            await op.press("escape")
+        async def slow(*_: Any) -> Any:
+            await go_on.wait()
+            raise ArchoError("no such file")
 
         await op.press("4", "ctrl+o")
         dialog: Any = op.app.screen
@@ -335,7 +271,7 @@ async def test_a_strange_place_is_one_line_and_a_dialog_left_says_nothing(
         assert op.app.screen is op.app.main
         go_on.set()
         await op.settle()
-        dialog.show_message("too late")
+        dialog.show_message("too late")  # which says nothing
         assert op.app.is_running
 
 
@@ -356,14 +292,6 @@ async def test_backspace_offers_the_start_and_space_switches_a_boolean() -> None
         await op.until("set battery_monitor use_sim_time true: ")
         await op.until("true *")
         await op.press("space")
-        await op.until(lambda: "true *" not in op.text)
-        await op.press("space")
-        await op.until("true *")
-        await undo(op)
-        await op.until(lambda: "true *" not in op.text)
-        await undo(op)  # of equal changes the last one was undone: nothing is asked
-        await op.until("true *")
-        await undo(op)
         await op.until(lambda: "true *" not in op.text)
         await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
         await op.until("the selected parameter is not a boolean")

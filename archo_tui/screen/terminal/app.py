@@ -191,7 +191,12 @@ class TerminalApp(App[None]):
                 self._handle_exception(error)
 
     def before_suspend(self) -> None:
-        """End what this console publishes: a process that is suspended reads no STOP."""
+        """End what this console publishes: a process that is suspended reads no STOP.
+
+        In a terminal that was lent, what is typed from now on is for its owner.
+        """
+        if self.has_lent_terminal:
+            self.keep_keys()
         self.station.robot.end_publications_now()
 
     def stop_now(self, event: events.Key) -> None:
