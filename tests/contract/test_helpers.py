@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import threading
 import warnings
-from typing import Any
 
 import pytest
 import rclpy
-from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
-from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidHandle, ROSInterruptException
+from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
-from std_msgs.msg import Float32MultiArray, Header, Int32
-from std_srvs.srv import Trigger
+from std_msgs.msg import Float32MultiArray, Int32
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -37,16 +32,6 @@ def test_spinning_once_with_its_own_executor_leaves_the_node_in_it(ros: Ros) -> 
     rclpy.spin_until_future_complete(node, done, executor)
     assert node in executor.get_nodes()
     assert node.executor is executor
-
-
-def test_between_two_spins_a_task_can_be_given_to_the_nodes_executor(ros: Ros) -> None:
-    node, executor = ros.node(), ros.executor()
-    rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
-    ran: list[int] = []
-    assert node.executor is executor
-    node.executor.create_task(lambda: ran.append(1))
-    rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
-    assert ran == [1]
 
 
 def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
@@ -67,15 +52,6 @@ def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
     assert node in executor.get_nodes()
     node.executor = None
     assert node not in executor.get_nodes()
-
-
-def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
-    node = ros.node()
-    executor = ros.executor(node)
-    node.create_timer(0.01, lambda: None)
-    future: Future[int] = Future()
-    executor.spin_until_future_complete(future, 0.3)
-    assert len(future._callbacks) <= 1  # none at all on the embedded engine
 
 
 @pytest.mark.real_time
@@ -110,21 +86,6 @@ def test_a_rate_sleeps_from_tick_to_tick_until_the_end(ros: Ros) -> None:
     assert slept[-1] == -1
 
 
-@pytest.mark.real_time
-def test_a_callback_sleeps_by_a_rate_while_another_thread_spins_its_node(ros: Ros) -> None:
-    node = ros.node()
-    rate, slept = node.create_rate(50.0), threading.Event()
-
-    def work() -> None:
-        if not slept.is_set():
-            rate.sleep()
-            slept.set()
-
-    node.create_timer(0.01, work)
-    ros.spin(node, executor=MultiThreadedExecutor(2, context=ros.context))
-    wait_until(slept.is_set)
-
-
 def test_a_clock_sleeps(ros: Ros) -> None:
     node = ros.node()
     clock = node.get_clock()
@@ -150,11 +111,6 @@ def test_a_parameter_of_a_name_only_takes_any_type(ros: Ros) -> None:
     for value in (1, "two"):
         (result,) = node.set_parameters([Parameter("any", value=value)])
         assert result.successful
-
-
-def test_what_is_not_declared_may_be_described_where_that_is_allowed(ros: Ros) -> None:
-    node = ros.node(allow_undeclared_parameters=True)
-    assert node.describe_parameter("nothing").name == ""
 
 
 def test_a_nodes_publishers_are_those_that_it_made_and_its_parameters(ros: Ros) -> None:
@@ -221,65 +177,6 @@ def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
 DESCRIBES_TYPES = "start_type_description_service"
 
 
-@pytest.fixture
-def made(ros: Ros) -> dict[str, Any]:
-    """One of each that a node makes."""
-    node = ros.node()
-    return {
-        "publisher": node.create_publisher(Int32, "a", 10),
-        "subscription": node.create_subscription(Int32, "a", lambda _: None, 10),
-        "service": node.create_service(Trigger, "s", lambda request, response: response),
-        "client": node.create_client(Trigger, "s"),
-        "timer": node.create_timer(1.0, lambda: None),
-    }
-
-
-def test_what_the_graph_knows_is_read_only(made: dict[str, Any]) -> None:
-    for what, names in {
-        "publisher": "topic_name logger_name",
-        "subscription": "topic_name logger_name",
-        "service": "service_name logger_name",
-        "client": "service_name logger_name",
-        "timer": "clock",
-    }.items():
-        for name in names.split():
-            with pytest.raises(AttributeError):
-                setattr(made[what], name, None)
-
-
-def test_what_was_destroyed_has_no_name_on_the_graph(made: dict[str, Any]) -> None:
-    for what, name in (("publisher", "topic_name"), ("client", "service_name")):
-        made[what].destroy()
-        with pytest.raises(InvalidHandle):
-            getattr(made[what], name)
-
-
-def test_a_client_knows_its_requests_that_wait(ros: Ros) -> None:
-    node = ros.node()
-    client = node.create_client(Trigger, "s")
-    assert client.context is ros.context
-    future = client.call_async(Trigger.Request())
-    future.cancel()
-    assert future.cancelled()
-
-
-def test_a_negative_wait_for_others_is_over_at_once(ros: Ros) -> None:
-    node = ros.node()
-    mover = ActionClient(node, MoveToShelf, "move")
-    for waits in (
-        node.create_client(Trigger, "s").wait_for_service,
-        AsyncParameterClient(node, "nobody").wait_for_services,
-        mover.wait_for_server,
-    ):
-        assert waits(-1.0) is False
-    mover.destroy()
-
-
-def test_an_answer_goes_to_the_header_of_a_request(made: dict[str, Any]) -> None:
-    with pytest.raises(TypeError):
-        made["service"].send_response(Trigger.Response(), 3)
-
-
 def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
     called: list[str] = []
     ros.context.on_shutdown(lambda: called.append("then"))
@@ -303,11 +200,6 @@ def test_numbers_are_converted_when_an_array_is_made() -> None:
         message.data = ["x"]
     with pytest.raises((AssertionError, TypeError)):
         Float32MultiArray(data=["x"])
-
-
-def test_a_message_within_a_message_is_asked_for_by_its_name() -> None:
-    with pytest.raises(AssertionError, match="must be a sub message of type 'Time'"):
-        Header(stamp=3)  # type: ignore[arg-type]
 
 
 def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:

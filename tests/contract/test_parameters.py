@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-import yaml
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -96,13 +95,6 @@ def test_misuse_raises_rclpys_exceptions(
     with pytest.raises(error, match=said or None):
         misuse(node)
     assert not node.has_parameter("x") or error is ParameterUninitializedException
-
-
-def test_what_is_no_parameter_is_not_set(ros: Ros) -> None:
-    node: Any = ros.node(allow_undeclared_parameters=True)
-    for given in (node.set_parameters, node.set_parameters_atomically):
-        with pytest.raises(TypeError):
-            given([42])
 
 
 def test_an_override_of_the_wrong_type_raises_in_declare() -> None:
@@ -267,15 +259,6 @@ def test_a_text_is_a_value_as_on_a_command_line(text: str, value: Any) -> None:
     assert parameter_value_to_python(get_parameter_value(text)) == value
 
 
-def test_a_call_for_parameters_tells_its_callback(ros: Ros) -> None:
-    ros.spun("holder").declare_parameter("gain", 3)
-    client = AsyncParameterClient(ros.spun("asker"), "holder")
-    assert client.wait_for_services(10.0)
-    told: list[int] = []
-    client.get_parameters(["gain"], lambda f: told.append(f.result().values[0].integer_value))
-    wait_until(lambda: told == [3])
-
-
 def test_what_every_callback_before_a_change_returns_is_set(ros: Ros) -> None:
     node = ros.node()
     node.declare_parameter("a", 1)
@@ -306,23 +289,6 @@ def test_parameters_are_listed_by_prefix_and_depth(ros: Ros) -> None:
     assert "x" in node.list_parameters([], 1).names
     assert "a.b" not in node.list_parameters([], 1).names
     assert node.get_parameter_type("x") == 2
-
-
-def test_names_are_given_as_a_list_to_another_nodes_client(ros: Ros) -> None:
-    client = AsyncParameterClient(ros.node(), "nobody")
-    asks: list[Any] = [client.get_parameters, client.list_parameters, client.describe_parameters]
-    for ask in asks:
-        with pytest.raises(AssertionError, match="each value of type 'str'"):
-            ask("ab")
-
-
-@pytest.mark.pure
-@pytest.mark.parametrize(
-    ("text", "error"), [("a: b: c", yaml.YAMLError), ("{a: 1}", AssertionError)]
-)
-def test_a_text_that_is_no_value_is_refused(text: str, error: type[Exception]) -> None:
-    with pytest.raises(error):
-        get_parameter_value(text)
 
 
 def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> None:

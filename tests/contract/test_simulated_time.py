@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-import threading
-import traceback
 from typing import Any
 
 import pytest
-from action_msgs.msg import GoalStatus
-from archo_interfaces.action import MoveToShelf
-from rclpy.action import ActionClient, ActionServer
 from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.executors import SingleThreadedExecutor
@@ -19,7 +13,6 @@ from rclpy.parameter import Parameter
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMsg
 
-from tests.support.clock import pass_time
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
@@ -89,77 +82,6 @@ def test_timers_follow_the_clock_skip_what_was_missed_and_survive_a_jump_back(
     for second in (2.5, 3.0):
         simulation.at(second)
     assert ticks == [1.0, 3.75, 4.25, 3.0]
-
-
-def test_how_long_a_goals_result_is_kept_is_simulated_time_too(simulation: Simulation) -> None:
-    goals: list[Any] = []
-
-    def execute(goal: Any) -> Any:
-        goals.append(goal)
-        goal.succeed()
-        return MoveToShelf.Result()
-
-    ActionServer(simulation.node, MoveToShelf, "move", execute, result_timeout=1)
-    client = ActionClient(simulation.node, MoveToShelf, "move")
-    assert client.wait_for_server(10.0)
-    simulation.at(1)
-    sent = client.send_goal_async(MoveToShelf.Goal())
-    simulation.executor.spin_until_future_complete(sent, 10.0)
-    answer = sent.result().get_result_async()
-    simulation.executor.spin_until_future_complete(answer, 10.0)
-    (goal,) = goals
-    pass_time(1.1)
-    simulation.at(1.5)
-    assert goal.status == GoalStatus.STATUS_SUCCEEDED
-    simulation.at(2.5)
-    wait_until(lambda: simulation.spin() or goal.status == GoalStatus.STATUS_UNKNOWN)
-
-
-@pytest.mark.real_time
-def test_who_sleeps_wakes_at_the_simulated_time_or_when_it_ends(simulation: Simulation) -> None:
-    woken: list[bool] = []
-
-    def sleeping(until: float) -> threading.Thread:
-        time = Time(seconds=until, clock_type=ClockType.ROS_TIME)
-        context = simulation.node.context
-        thread = threading.Thread(
-            target=lambda: woken.append(simulation.clock.sleep_until(time, context)), daemon=True
-        )
-        thread.start()
-        return thread
-
-    sleeper = sleeping(2.0)
-    simulation.at(1.0)
-    assert sleeper.is_alive()
-    wait_until(lambda: simulation.at(2.0) or not sleeper.is_alive())
-    sleeper = sleeping(9.0)
-
-    def is_asleep() -> bool:
-        stack = traceback.extract_stack(sys._current_frames().get(sleeper.ident or 0))
-        return "sleep_until" in {frame.name for frame in stack}
-
-    wait_until(is_asleep)
-    wait_until(
-        lambda: (
-            simulation.node.set_parameters([SIMULATED])
-            and simulation.node.set_parameters([REAL])
-            and not sleeper.is_alive()
-        )
-    )
-    assert woken == [True, False]
-
-
-def test_what_has_passed_of_a_period_is_left_when_simulated_time_ends(
-    simulation: Simulation,
-) -> None:
-    timer = simulation.node.create_timer(100.0, lambda: None)
-    simulation.at(6.0)
-    assert timer.time_until_next_call() == 94 * 10**9
-    simulation.node.set_parameters([REAL])
-    left = timer.time_until_next_call()
-    assert left is not None
-    assert 0 < left <= 6 * 10**9
-    assert timer.time_since_last_call() >= 94 * 10**9
 
 
 def test_a_clock_of_ros_time_is_a_ros_clock_and_takes_an_override() -> None:

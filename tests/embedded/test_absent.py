@@ -26,24 +26,6 @@ def test_a_program_may_ask_first_whether_a_name_is_there() -> None:
         _ = rclpy.node.Waitable  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(
-    ("module", "name"),
-    [
-        ("rclpy", "Parameter"),
-        ("rclpy.node", "SetParametersResult"),
-        ("rclpy.node", "ParameterMsg"),
-        ("rclpy.node", "get_logger"),
-        ("rclpy.executors", "Client"),
-    ],
-)
-def test_a_name_that_a_module_only_imports_can_be_imported_from_there(
-    module: str, name: str
-) -> None:
-    found: dict[str, Any] = {}
-    exec(f"from {module} import {name}", found)
-    assert found[name].__name__ == name.removesuffix("Msg")
-
-
 def test_a_message_that_a_module_only_imports_need_not_have_been_used_before() -> None:
     code = (
         "from archo_tui.ros import engine\nengine.activate('embedded')\n"
