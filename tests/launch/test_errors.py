@@ -137,13 +137,6 @@ def test_an_include_without_a_value_for_its_argument_names_the_include(
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == []
 
 
-def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
-    launcher: Launcher,
-) -> None:
-    include = "IncludeLaunchDescription('x.launch.py', launch_arguments=[('model', None)]"
-    assert launcher.of_actions(f"{include}, condition=IfCondition('false')),").programs == []
-
-
 def test_the_release_of_the_engine_is_in_the_environment(
     launcher: Launcher, monkeypatch: pytest.MonkeyPatch, workspace: Workspace
 ) -> None:

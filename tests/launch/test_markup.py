@@ -109,12 +109,6 @@ def test_xml_and_yaml_start_what_python_starts(launcher: Launcher, text: str, li
     ]
 
 
-def test_an_argument_of_the_command_line_reaches_the_file(launcher: Launcher) -> None:
-    plan = plan_of(launcher, XML, "sim:=1", "robot:=r2")
-    assert "__node:=r2_talker" in launcher.commands(plan)[0]
-    assert [program.namespace for program in plan.programs] == [""] * 4
-
-
 def test_python_includes_xml_and_yaml(launcher: Launcher) -> None:
     include = '<launch><arg name="n"/><node pkg="my_robot" exec="talker" name="$(var n)"/></launch>'
     launcher.write(include, "inner.launch.xml")

@@ -32,22 +32,12 @@ REFUSED = {
         f"lost in setup.py of my_robot: there is no Python file {WORKSPACE.resolve()}/src/my_robot/"
         "my_robot/listner.py (nearest: listener)"
     ),
-    "RegisterEventHandler(OnProcessExit(target_action=TimerAction(period=1.0, actions=[])))": (
-        "RegisterEventHandler does not run here, nor what needs it: ROS 2 runs it"
-    ),
     "IncludeLaunchDescription(os.path.join(get_package_share_directory('nav2'), 'a.launch.py'))": (
         "nav2 is not here: start its a.launch.py with ROS 2"
     ),
     "Node(package='my_robot', executable='talker', parameters=[{'model': Command('xacro a')}])": (
         "Command does not run here, nor what needs it: ROS 2 runs it"
     ),
-    "ComposableNodeContainer(name='c', namespace='', package='c', executable='e')": (
-        "ComposableNodeContainer does not run here, nor what needs it: ROS 2 runs it"
-    ),
-    "Node(package='my_robot', executable='talker', name=launch_ros.substitutions.Parameter('a'))": (
-        "Parameter does not run here, nor what needs it: ROS 2 runs it"
-    ),
-    "SetUseSimTime(True)": "SetUseSimTime does not run here, nor what needs it: ROS 2 runs it",
 }
 
 

@@ -65,13 +65,6 @@ def test_none_of_archos_own_is_made_beside_a_programs_node_of_its_name() -> None
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good"])
 
 
-def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
-    with running(node_makers=(Good,), only=False) as session, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session.host.nodes[0], "stop", lambda: False)
-        outcome = session.host.stop_node("/good")
-        assert outcome == (Code.TIMEOUT, "/good does not stop: its code does not return")
-
-
 def test_a_restarted_copy_keeps_its_own_name() -> None:
     with running(node_makers=(Good,), only=False) as session:
         assert session.host.copy_node("/good").ok
@@ -79,44 +72,6 @@ def test_a_restarted_copy_keeps_its_own_name() -> None:
         assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
         assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
-
-
-def test_a_node_that_runs_is_not_started_again() -> None:
-    with running(node_makers=(Good,), only=False) as session:
-        (good,) = session.host.nodes
-        assert session.host.start_node("/good") == (Code.REFUSED, "/good is running")
-        assert session.host.nodes == [good]
-        seen = good.node.count  # type: ignore[attr-defined]
-        wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]
-
-
-IDLE = """
-import rclpy
-from rclpy.executors import MultiThreadedExecutor
-from rclpy.node import Node
-
-
-class Idle(Node):
-    def __init__(self):
-        super().__init__("idle")
-
-
-def main():
-    rclpy.init()
-    executor = MultiThreadedExecutor()
-    executor.add_node(Idle())
-    executor.spin()
-"""
-
-
-@pytest.mark.real_time
-def test_a_program_of_several_threads_stops_each_time_it_is_told_to(here: Path) -> None:
-    with running(written("idle.py", IDLE)) as session:
-        for _ in range(6):
-            wait_until(lambda: session.host.find("/idle") is not None)
-            assert session.host.stop_node("/idle").text == "/idle stopped"
-            assert session.host.start_node("/idle").text == "/idle started"
-        assert session.host.stop() == []
 
 
 STARTER = """

@@ -110,18 +110,6 @@ def test_a_file_without_main_has_its_node_classes_made_each_alone(here: Path) ->
         wait_until(lambda: up(session) == ["/nobody", "/other"])
 
 
-def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
-    file = here / "program.py"
-    given = "Talker('talker', parameter_overrides=[Parameter('gain', value=2.5)])"
-    file.write_text(
-        f"{HEAD}def main():\n    rclpy.init()\n    node = {given}\n"
-        "    node.declare_parameter('gain', 1.0)\n"
-        "    print('gain', node.get_parameter('gain').value)\n    rclpy.spin(node)\n"
-    )
-    with running(file) as session:
-        wait_until(lambda: "gain 2.5" in texts(session))
-
-
 def test_a_main_that_sends_a_goal_sends_it() -> None:
     with running(SHARE / "programs" / "main_sends_a_goal.py", only=False) as session:
         wait_until(lambda: "/sender" in states(session))
@@ -161,43 +149,6 @@ def test_a_copy_has_another_name_and_is_copied_again(here: Path) -> None:
         assert session.host.stop_node("/talker_2").ok
         assert session.host.start_node("/talker_2").ok
         wait_until(lambda: up(session) == ["/talker", "/talker_2", "/talker_3"])
-
-
-TWO_CLASSES = """
-import rclpy
-from rclpy.node import Node
-
-
-class First(Node):
-    def __init__(self):
-        super().__init__("first")
-        self.create_timer(0.1, self.work)
-
-    def work(self):
-        {first}
-
-
-class Second(Node):
-    def __init__(self):
-        super().__init__("second")
-        self.create_timer(0.1, self.work)
-
-    def work(self):
-        {second}
-"""
-
-
-@pytest.mark.parametrize("which", corners(["second"], ["first"]))
-def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
-    other = {"first": "second", "second": "first"}[which]
-    text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')
-    file = written("two.py", text.replace(f"{{{other}}}", "pass"))
-    with running(file) as session:
-        wait_until(lambda: Life.CRASHED in {state.life for state in states(session).values()})
-        [state] = states(session).values()
-        line = {"first": 12, "second": 21}[which]
-        assert state.error.startswith(f"line {line}: ValueError: a wheel came off")
-        wait_until(lambda: up(session) == [])
 
 
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there Python prints the traceback")

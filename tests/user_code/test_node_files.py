@@ -83,13 +83,6 @@ async def test_a_textbooks_motor_shows_its_way_and_says_what_it_lacks_in_words()
         await op.until("ARRIVED")
 
 
-async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
-    async with console(node_files=[written("my_node.py", GREETER)], only=True, wait=False) as op:
-        await op.until("hello from my own node")
-        assert op.session.host.names() == ["/greeter"]
-        await op.until("move_to_shelf is not offered by any node")
-
-
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [

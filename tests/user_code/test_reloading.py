@@ -288,7 +288,7 @@ async def test_many_saves_half_of_them_broken_leave_nothing_behind(here: Path) -
     async with running(file) as op:
         await save(op, file, says("words 1"))
         threads, modules = running_threads(), len(sys.modules)
-        for number in range(16):
+        for number in range(6):
             good = says(f"words {number}")
             broken = (
                 "def x(:\n",

@@ -39,22 +39,6 @@ def test_the_engines_frames_are_only_counted() -> None:
     assert "JSONDecodeError: Expecting property name" in said
 
 
-def chained() -> None:
-    try:
-        json.loads("{")
-    except ValueError as error:
-        raise KeyError("x") from error
-
-
-def test_what_led_to_an_error_is_cut_in_the_same_way() -> None:
-    with pytest.raises(KeyError) as caught:
-        chained()
-    said = traceback_without(caught.value, json)
-    assert said.count("Traceback (most recent call last):") == 2
-    assert "in chained" in said
-    assert "decoder.py" not in said
-
-
 def test_an_error_that_never_left_the_engine_is_shown_whole() -> None:
     with pytest.raises(ValueError) as caught:
         json.loads("{")
