@@ -228,18 +228,3 @@ async def test_a_console_that_speaks_no_protocol_is_one_that_has_gone(line: byte
         console.answers["status"] = babbles
         with pytest.raises(Unreached, match="the console is gone"):
             await link.request(words=["status"])
-
-
-async def test_two_calls_at_once_make_one_connection() -> None:
-    async with fake_console() as console, linked() as link:
-        console.answer("status", "done")
-        await asyncio.gather(link.request(words=["status"]), link.request(words=["status"]))
-        assert console.connections == 1
-
-
-async def test_a_stop_waits_for_no_connection_that_another_call_makes() -> None:
-    async with fake_console() as console, linked() as link:
-        console.answer("status", "done")
-        console.answer("stop", "done", "confirmed")
-        _, stopped = await asyncio.gather(link.request(words=["status"]), link.stop())
-        assert (stopped, console.connections) == ([{"code": "done", "text": "confirmed"}], 2)

@@ -16,9 +16,8 @@ from mcp.client.stdio import stdio_client
 
 from archo_tui.client.mcp.server import MAX_ITEMS, sanitize
 from archo_tui.robot_file.model import NO_STOP
-from tests.assistant.support import GOALS, Request, assistant, fake_console, parameters, process
+from tests.assistant.support import GOALS, Request, assistant, fake_console, parameters
 from tests.support.shells import until
-from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
@@ -72,19 +71,6 @@ async def test_without_a_console_every_tool_says_how_to_start_one() -> None:
             assert NOBODY in said.data["summary"], name
             assert "from_the_robot" not in said.data
         assert "hardware stop" in (await model.call("stop")).data["summary"]
-
-
-async def test_of_several_consoles_none_is_guessed() -> None:
-    async with fake_console(7) as first, fake_console(8) as second:
-        async with assistant() as model:
-            said = await model.call("status")
-            assert said.failed
-            assert said.data["summary"].startswith("several consoles run here, --to PID")
-            assert [line.strip()[:5] for line in said.robot["said"]] == ["pid 7", "pid 8"]
-        async with assistant("--to", "/r8") as model:
-            second.answer("status", "done", data={})
-            assert not (await model.call("status")).failed
-        assert (first.words(), second.words()) == ([], [["status"]])
 
 
 async def test_stop_goes_to_every_console_that_may_be_meant() -> None:
@@ -143,12 +129,6 @@ async def test_odd_arguments_are_one_clear_line_and_reach_no_console() -> None:
             assert len(said.data["summary"]) < 200
             assert said.data["summary"].isprintable()
         assert console.asked == []
-
-
-async def test_it_ends_when_its_client_closes_and_prints_nothing_else() -> None:
-    ours = await process("--allow", "goals")
-    out, err = await asyncio.wait_for(ours.communicate(b""), DEADLINE)
-    assert (ours.returncode, out, err) == (0, b"", b"")
 
 
 async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None:

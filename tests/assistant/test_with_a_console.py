@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections import Counter
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from random import Random
 from typing import Any
 
 import pytest
@@ -15,7 +13,6 @@ import pytest
 from archo_tui.client import sockets
 from archo_tui.station.approvals import READING_TIME
 from tests.assistant.support import Assistant, assistant
-from tests.assistant.test_connection import VALUES
 from tests.support.shells import until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE, Waited
@@ -105,34 +102,3 @@ async def test_a_goal_is_driven_when_a_person_at_the_terminal_has_allowed_it(
         await until(lambda: "allowed request 1" in terminals[0].text)
         ended = await model.call("wait", request=1, seconds=50)
         assert (ended.failed, ended.data["code"]) == (False, "arrived")
-
-
-async def test_whatever_a_model_calls_nothing_moves_without_a_yes(
-    terminals: list[Terminal], request: pytest.FixtureRequest
-) -> None:
-    dice, codes = Random(7), Counter[str]()
-    values = [value for value in VALUES if value != "\ud800"]  # which no client can send
-    terminals.append(Terminal("--plain"))
-    calls = 10_000 if request.config.getoption("end_to_end") else 100
-    async with beside(terminals[0]) as model:
-        schemas = {
-            name: tool.input_schema["properties"] for name, tool in (await model.tools()).items()
-        }
-        await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
-        for number in range(calls):
-            name = dice.choice(sorted(schemas))
-            if name == "stop" and dice.random() < 0.9:
-                name = "go"
-            given = {one: dice.choice(values) for one in schemas[name] if dice.random() < 0.9}
-            if name == "go" and dice.random() < 0.5:
-                given = {"kind": "go", "values": {"shelf_number": dice.randint(0, 50)}}
-            if name == "wait":  # no longer than it has to
-                given["seconds"] = dice.choice([0, 0.01, -1, "0"])
-            codes[str((await model.call(name, **given)).data.get("code"))] += 1
-            if number % 20 == 19:
-                terminals[0].write(f"deny {codes['asked']}\rrelease --yes\r")
-        status = (await model.call("status")).robot
-    assert codes["asked"] >= calls / 100, codes
-    assert (status["goal"], status["motion"]["moving"]) == (None, False)
-    said = [word for word in ("allowed request", "MOVING", "accepted") if word in terminals[0].text]
-    assert not said

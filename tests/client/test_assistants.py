@@ -280,34 +280,6 @@ async def test_what_is_not_all_in_view_is_allowed_only_once_it_was_scrolled(
         await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
 
-async def test_what_a_notice_left_no_room_for_is_read_without_it_first() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await asks(assistant)
-        await op.pilot.resize_terminal(50, 11)
-        await opened(op)
-        op.app.notify("something to read that goes on for more than a line of fifty", timeout=60)
-        await op.press("tab")
-        assert "wants: go to shelf 12" in op.text
-        assert "expires in" not in op.text
-        assert "Allow once" in op.text
-        op.app.tick()
-        await read(op)
-        await op.press("enter")
-        await op.until("▲ Not all of it")
-        op.app.clear_notifications()
-        await op.until("expires in")
-        await op.at(seconds() + 0.4)
-        await op.press("enter")
-        await op.until("Read it first, then answer.")
-        assert op.app.view.snapshot.running_goal is None
-        op.app.clear_notifications()
-        await op.until("expires in")
-        op.app.tick()
-        await read(op)
-        await op.press("enter")
-        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
-
-
 @pytest.mark.parametrize("way", ["stop", "goal", "time", "gone"])
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch

@@ -35,7 +35,7 @@ async def test_keep_names_its_recording_once_it_is_written_and_then_comes_the_ne
 
 
 @pytest.mark.real_time
-@pytest.mark.parametrize("line", ["keep", "hz /motor_status", "wait battery 100"])
+@pytest.mark.parametrize("line", ["keep", "wait battery 100"])
 async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(line: str) -> None:
     async with operated(ros_args=FAST, at_terminal=True) as person:
         person.type("status\n")

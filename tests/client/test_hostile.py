@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.client import connection, find, sockets
+from archo_tui.client import connection, sockets
 from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import GONE
 from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
@@ -415,23 +415,6 @@ def test_a_result_that_is_none_counts_as_an_end(rest: str) -> None:
         theirs.sendall(f'{{"id": 1, {rest}}}\n'.encode())
         with pytest.raises(Unreached, match=GONE):
             console.result(words=["status"])
-
-
-async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(find, "WAKE_TIMEOUT", 1.0)
-    with _listens("1.sock"):
-        async with served(ros_args=FAST) as person:
-            assert await typed("status", "--to", "/north") == (
-                3,
-                "",
-                "archo-tui: no console /north answers here; "
-                "the console of pid 1 does not answer: is it suspended?\n",
-            )
-            code, _, err = await typed("stop", "--to", "/north")
-            assert (code, "pid 1: not confirmed: the robot may be moving" in err) == (3, True)
-            assert "STOP" not in person.said  # which is another
 
 
 @pytest.mark.parametrize("hello", [{"protocol": 2, "pid": 7}, {}, [], "hello"])

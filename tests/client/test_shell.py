@@ -24,7 +24,6 @@ from tests.support.hesitant import Hesitant
 from tests.support.robot import hearing, making
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, client, heard, raw, said, served, typed, until
-from tests.support.stand_in import Made, StandIn
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
@@ -62,16 +61,6 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         await heard(person, "Arrived at shelf 3")
         await heard(person, "left out of the queue: 5 (nobody waits for it any more)")
         assert [goal.text for goal in station.queue.waiting] == ["7"]
-
-
-async def test_a_goal_behind_a_stop_that_is_refused_is_said_to_be_held() -> None:
-    driver = Made(StandIn, "driver", "no", goals="drive", moving=False, heeds=False)
-    async with served(driver) as person:
-        assert (await typed("go", "12")).code == 0
-        assert (await typed("stop")).code == 1
-        assert await typed("go", "7") == (0, "", "queued, held: STOP\n")
-        driver.node.heeds = True
-        await heard(person, "called back")
 
 
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:

@@ -28,7 +28,18 @@ STOPS = [
     *("stop", "STOP", "Stop!", "stop;", '"stop"', "STOP?", " stop", "\N{BOM}stop", "--stop"),
     *("stop now please", "stop --help now", "stop, a person is in the way", "\x1b[Astop", "-stop"),
 ]
-OTHERS = ["stopped", "stop2", "nonstop", "don't stop", "go stop", "stop_it", "st op", ""]
+OTHERS = [
+    "stopped",
+    "stop2",
+    "nonstop",
+    "don't stop",
+    "go stop",
+    "stop_it",
+    "st op",
+    "help stop",
+    "stopé",
+    "",
+]
 
 
 @pytest.fixture(autouse=True)

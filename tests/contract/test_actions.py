@@ -20,7 +20,6 @@ from rclpy.action import (
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
-from unique_identifier_msgs.msg import UUID
 
 from tests.support.clock import pass_time
 from tests.support.ros import Ros
@@ -256,15 +255,6 @@ def test_a_multi_threaded_executor_takes_a_cancel_during_a_blocking_execute(ros:
     handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
     assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
     assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
-
-
-def test_a_goal_id_that_is_known_already_is_refused(ros: Ros) -> None:
-    robot = Robot(ros)
-    goal_id = UUID(uuid=list(range(16)))
-    assert send(ros, robot, goal_uuid=goal_id).accepted
-    assert not send(ros, robot, goal_uuid=goal_id).accepted
-    wait_until(lambda: robot.goals)
-    assert len(robot.goals) == 1
 
 
 def test_the_first_feedback_comes_before_the_acceptance_where_one_executor_runs_both(

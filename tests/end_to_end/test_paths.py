@@ -130,15 +130,3 @@ def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
     tmux.until("Arrived at shelf 7")
     tmux.type("C-q")
     tmux.until("ENDED 0")
-
-
-def test_kill_9_leaves_the_journal_whole(tmux: Tmux) -> None:
-    words = f"{SLOW} -p route_length:=77.0"
-    tmux.start(f"{ARCHO} {words}")
-    tmux.until("max_speed")
-    tmux.type("r")
-    tmux.until("reset encoder: Encoder reset to zero")
-    (pid,) = running(words)
-    os.kill(pid, signal.SIGKILL)
-    tmux.until("ENDED 137")
-    assert said()[-1] == "reset encoder: Encoder reset to zero"

@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from archo_tui.cli.options import console_parser
 from tests.support import clock
@@ -20,7 +19,6 @@ from tests.support.console import FAST as QUICK
 from tests.support.console import LONG
 from tests.support.night import corners
 from tests.support.plain import operated, plain
-from tests.support.quiet import Quiet
 from tests.support.script import SLOW, Script, shell
 
 ROOT = Path(__file__).parent.parent.parent
@@ -76,21 +74,6 @@ def test_page_and_help_agree_on_the_exit_code() -> None:
         assert said in " ".join(text.split())
 
 
-async def test_what_is_asked_is_told() -> None:
-    typed = "set max_speed 0.5\nreset\ncharge\nparams\nstatus\nhelp\n"
-    code, said = await plain(typed, ros_args=QUICK)
-    assert code == 0, said
-    assert "YOU console: set motor_controller max_speed 0.5: max_speed is 0.5" in said
-    assert (
-        "motor_controller max_speed is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2" in said
-    )
-    assert "YOU console: reset encoder: Encoder reset to zero" in said
-    assert "YOU console: charge: Charging" in said
-    assert "goal No goal yet. Type go and the shelf number.\n" in said
-    assert "\nbattery " in said
-    assert "go N " in said
-
-
 class Noted(Node):
     """Has a text that is set; when it is, an error twice at once, and two that differ."""
 
@@ -130,28 +113,6 @@ async def test_errors_are_told_once_also_those_that_differ_in_a_whole_number_onl
     assert len(re.findall(r"ERROR noted: twice at once( \(x 2\))?\n", said)) == 1
     for joint in (1, 2):
         assert said.count(f"ERROR noted: Joint {joint} overheated\n") == 1
-
-
-async def test_what_was_set_is_undone_and_not_what_somebody_else_set_since() -> None:
-    made: list[Noted] = []
-
-    def make(**given: Any) -> Noted:
-        made.append(Noted(**given))
-        return made[-1]
-
-    async with operated(make) as person:
-        person.type("set noted text one\nset noted text two\nundo\n")
-        await person.until("text is one, was two")
-        made[0].set_parameters([Parameter("text", value="three")])
-        seen = clock.seconds() + 0.5
-        await Quiet().until(lambda: clock.seconds() >= seen, lambda: "a little later")
-        person.type("undo\n")
-        await person.until(
-            "failed: undo: text has since changed to three. Restore as it was? (add --yes"
-        )
-        person.type("set noted text one\nundo\n")
-        await person.until("text is three, was one")
-        assert await person.end() == 1
 
 
 async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import re
 import threading
@@ -14,9 +13,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32, Header, String
 
 import archo_tui
-from archo_tui.robot.outcome import Outcome
-from archo_tui.verbs.topics import Echo
-from archo_tui.verbs.verb import prepare_when_found
 from tests.support.clock import seconds
 from tests.support.console import console
 from tests.support.plain import operated, plain
@@ -235,30 +231,6 @@ async def test_a_program_iterates_over_messages() -> None:
         assert errors == ["no topic /nosuch is on the graph"]
         await until_beside(lambda: not (listens("/fast") or listens("/slow")))
         await person.end()
-
-
-async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
-    shown: list[dict[str, Any]] = []
-    may_show = False
-    async with operated(Talker) as person:
-        echo = person._plain._verbs["echo"]
-        assert isinstance(echo, Echo)
-        values = await prepare_when_found(person.station, echo, {"topic": "/fast"})
-        assert not isinstance(values, Outcome)
-        work = echo.follow(
-            *(person.station, values, shown.append), for_program=True, has_room=lambda: may_show
-        )
-        following = asyncio.ensure_future(work)
-        await until(lambda: listens("/fast"))
-        await while_passes(2.0)
-        assert not shown
-        may_show = True
-        await until(lambda: shown)
-        assert shown[0]["left_out"] > 20
-        assert "text" not in shown[0]
-        following.cancel()
-        await until(lambda: not listens("/fast"))
-        assert await person.end() == 0
 
 
 # types
