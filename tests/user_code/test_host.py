@@ -1,8 +1,10 @@
-"""A hosted node that fails fails alone, and it is said."""
+"""A hosted node that fails fails alone; one may spin in a callback; what it takes is shown."""
 
 from __future__ import annotations
 
+import sys
 import threading
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,8 +15,11 @@ from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
+from archo_tui.session.session import Session
 from archo_tui.user_code import interrupt
+from archo_tui.user_code.usage import Usage, of_process, usage_text
 from tests.support import chosen
+from tests.support.console import console
 from tests.support.waiting import wait_until
 from tests.user_code.support import running, texts, written
 
@@ -119,3 +124,145 @@ def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
         asked.set()
         assert session.host.stop_node("/starter").text == "/starter stopped"
     assert order[:2] == ["started", "interrupted"]
+
+
+CALLER = """
+import rclpy
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Caller(Node):
+    def __init__(self):
+        super().__init__("caller")
+        group = {group}
+        self.create_service(Trigger, "ping", self.ping, callback_group=group)
+        self.client = self.create_client(Trigger, "ping", callback_group=group)
+        self.count = 0
+        self.create_timer(0.1, self.tick)
+
+    def ping(self, request, response):
+        response.success = True
+        return response
+
+    def tick(self):
+        self.count += 1
+        self.get_logger().warning(f"tick {{self.count}} begins")
+        future = self.client.call_async(Trigger.Request())
+        rclpy.spin_until_future_complete(self, future{given})
+        self.get_logger().warning(f"tick {{self.count}} ends: {{future.result().success}}")
+
+
+def main():
+    rclpy.init()
+    {spin}
+"""
+OTHER = "MutuallyExclusiveCallbackGroup()"
+SPIN = "rclpy.spin(Caller())"
+OWN_EXECUTORS = ("SingleThreadedExecutor()", "MultiThreadedExecutor()")
+
+
+def hosting(
+    group: str = OTHER, spin: str = SPIN, given: str = "", name: str = "caller"
+) -> AbstractContextManager[Session]:
+    text = CALLER.format(group=group, spin=spin, given=given).replace('"caller"', f'"{name}"')
+    return running(written(f"{name}.py", text))
+
+
+def times(session: Session, text: str) -> int:
+    return sum(event.count for event in session.robot.snapshot.events if event.text == text)
+
+
+def test_a_node_that_spins_in_a_callback_ticks_on(here: Path) -> None:
+    with hosting() as session:
+        wait_until(lambda: "tick 4 ends: True" in texts(session))
+
+
+def test_with_an_executor_of_its_own_it_ends_and_the_line_is_said(here: Path) -> None:
+    for number, executor in enumerate(OWN_EXECUTORS):
+        name = f"caller_{number}"
+        with hosting(spin=f"rclpy.spin(Caller(), {executor})", name=name) as session:
+            wait_until(lambda: "tick 1 ends: True" in texts(session))
+            (event,) = (e for e in session.robot.snapshot.events if "executor" in e.text)
+            assert (event.level, event.source) == ("WARN", name)
+            assert event.text == (
+                f"{name}.py:26: takes {name} from the executor of main(), which calls "
+                f"nothing of {name} any more: pass executor=self.executor, "
+                "in: rclpy.spin_until_future_complete(self, future)"
+            )
+            # what an executor of threads waited for before may be called once more
+            last = 2 if "Multi" in executor else 1
+            assert f"tick {last + 1} begins" not in texts(session)
+            assert event.count == 1
+
+
+def test_given_the_executor_of_main_it_ticks_on(here: Path) -> None:
+    spin = "rclpy.spin(Caller(), SingleThreadedExecutor())"
+    with hosting(spin=spin, given=", executor=self.executor") as session:
+        wait_until(lambda: "tick 4 ends: True" in texts(session))
+        assert not [text for text in texts(session) if "of main()" in text]
+
+
+@pytest.mark.real_time
+def test_stopping_a_node_ends_the_spin_that_would_never_end(here: Path) -> None:
+    """The answer comes to the callback group that the timer's callback holds."""
+    for spin in (SPIN, *(f"rclpy.spin(Caller(), {executor})" for executor in OWN_EXECUTORS)):
+        with hosting(group="None", spin=spin) as session:
+            wait_until(lambda: "tick 1 begins" in texts(session))
+            outcome = session.host.stop_node("/caller")
+            assert outcome == (Code.DONE, "/caller stopped"), spin
+            assert session.host.start_node("/caller").ok
+            wait_until(lambda: times(session, "tick 1 begins") == 2)
+            assert "tick 1 ends: True" not in texts(session)
+
+
+BUSY = """
+import rclpy
+from rclpy.node import Node
+
+class Busy(Node):
+    def __init__(self):
+        super().__init__("busy")
+        self.create_timer(0.1, lambda: sum(range(100_000)))
+
+def main():
+    rclpy.init()
+    rclpy.spin(Busy())
+
+main()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
+@pytest.mark.parametrize(
+    ("before", "said"),
+    [
+        (None, "process 7: 2.5 s of processor time, 61 MB"),
+        (Usage(2.2, 0, "process 7"), "process 7: 15% of one core, 2.5 s of processor time, 61 MB"),
+        (
+            Usage(9.0, 0, "process 6"),
+            "process 7: 2.5 s of processor time, 61 MB",
+        ),  # It was restarted.
+    ],
+)
+def test_the_share_is_of_the_time_since_the_last_look(before: Usage | None, said: str) -> None:
+    assert usage_text(before, Usage(2.5, 61_000_000, "process 7"), 2.0) == said
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
+def test_a_process_that_has_ended_takes_nothing() -> None:
+    assert of_process(2**22 + 1) is None  # More than Linux gives.
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
+async def test_the_dialog_of_a_program_shows_what_it_takes(tmp_path: Path) -> None:
+    file = tmp_path / "busy.py"
+    file.write_text(BUSY)
+    async with console(node_files=[file], only=True, wait=False, size=(120, 36)) as op:
+        await op.until("● busy")
+        await op.press("5", "enter")
+        where = "process " if chosen.ENGINE == "ros2" else "1 thread of this process: "
+        await op.until(f"takes       {where}")
+        await op.until("% of one core")
