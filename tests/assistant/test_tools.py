@@ -109,30 +109,23 @@ async def test_stop_goes_to_every_console_that_may_be_meant() -> None:
 
 ODD: list[tuple[str, dict[str, Any], str]] = [
     ("go", {}, "kind: Field required"),
-    ("go", {"kind": "go"}, "values: Field required"),
     (
         "go",
         {"kind": "x" * 1_000_000, "values": {}},
         "kind: String should have at most 200 characters",
     ),
-    ("go", {"kind": 5, "values": {}}, "kind: Input should be a valid string"),
     ("go", {"kind": "go", "values": [12]}, "values: Input should be a valid dictionary"),
     ("go", {"kind": "go", "values": {"n": "x" * 5000}}, "values: at most 4096 bytes of JSON"),
     ("go", {"kind": "go", "values": {}, "yes": True}, "unknown argument 'yes': this tool takes"),
     ("wait", {"request": "3"}, "request: Input should be a valid integer"),
-    ("wait", {"request": True}, "request: Input should be a valid integer"),
-    ("wait", {"request": 1.5}, "request: Input should be a valid integer"),
     ("wait", {"request": 10**300}, "request: Input should be less than"),
     ("wait", {"request": 1, "seconds": 51}, "seconds: Input should be less than"),
-    ("wait", {"request": 1, "seconds": -1}, "seconds: Input should be greater than"),
     ("wait", {"request": 1, "seconds": math.nan}, "seconds: "),
     ("events", {"level": "LOUD"}, "level: Input should be 'DEBUG'"),
     ("history", {"minutes": 7}, "unknown argument 'minutes': this tool takes no arguments"),
     ("parameters", {"name": "max_speed"}, "name takes a node too"),
     ("status", {"\x1b[31m": 1}, "unknown argument '\\x1b[31m': this tool takes no arguments"),
     ("release", {}, "no tool 'release': the tools are status"),
-    ("allow", {"request": 1}, "no tool 'allow'"),
-    ("set", {"node": "n", "name": "n", "value": 1}, "no tool 'set'"),
 ]
 
 

@@ -30,8 +30,6 @@ from tests.support.shells import (
     Graph,
     client,
     heard,
-    own_socket,
-    raw,
     reached,
     said,
     served,
@@ -300,18 +298,6 @@ async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None
         assert south.words() == [["status"], ["stop"]]
 
 
-async def test_a_name_that_another_console_has_is_not_taken() -> None:
-    with listening("/") as (made, hello):
-        (path,) = sockets.socket_paths()
-        assert sockets.read_card(path) == hello
-        with pytest.raises(FileExistsError):
-            server.open_socket(hello)
-        connected = reached(path)
-        made.setblocking(True)
-        made.accept()[0].close()
-        connected.close()
-
-
 async def test_an_engine_and_a_domain_that_are_named_choose() -> None:
     async with answering("/a") as embedded, answering("/b", 8, engine="ros2", domain=5) as ros:
         for asked, at in (
@@ -435,13 +421,6 @@ async def test_a_stop_behind_what_cannot_be_answered_is_read(
             gone.send(STATUS_LINE + b"\n" * 10_000 + STOP)  # a while between the first and the last
             gone.close()
         await heard(person, "STOP: confirmed")
-
-
-async def test_the_card_of_a_console_is_its_hello() -> None:
-    async with served():
-        one = await raw()
-        assert await one.line() == sockets.read_card(own_socket())
-        one.close()
 
 
 # processes

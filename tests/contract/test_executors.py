@@ -6,20 +6,16 @@ import contextlib
 import functools
 import threading
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 
 import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
-from rclpy.clock import Clock, ROSClock
+from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.executors import (
-    Executor,
     ExternalShutdownException,
     MultiThreadedExecutor,
-    ShutdownException,
     SingleThreadedExecutor,
-    TimeoutException,
 )
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -239,22 +235,6 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
     assert ran == ["kept"]
 
 
-def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> None:
-    nodes = ros.node("first"), ros.node("second")
-    executor = ros.executor()
-    ran: list[str] = []
-    for node in nodes:
-        node.create_timer(0.01, partial(ran.append, node.get_name()))
-        executor.add_node(node)
-    pass_time(0.05)  # both are due
-    executor.spin_once(1.0)
-    (first,) = ran
-    executor.remove_node(next(node for node in nodes if node.get_name() != first))
-    for _ in range(3):
-        executor.spin_once(0.05)
-    assert set(ran) == {first}
-
-
 def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_services(
     ros: Ros,
 ) -> None:
@@ -302,39 +282,6 @@ def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them
     assert ran == [Int32(), "task", Int32()]
 
 
-class Alternating(Executor):
-    """An executor of one's own: notes for which node it was asked, and does the work."""
-
-    def __init__(self, *, context: Any) -> None:
-        super().__init__(context=context)
-        self.order: list[str] = []
-
-    def spin_once(self, timeout_sec: float | None = None) -> None:
-        task, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
-        self.order.append("a task" if node is None else node.get_name())
-        assert entity is None or self.can_execute(entity) in (True, False)
-        assert node is None or entity in list(node.subscriptions)
-        task()
-
-
-def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
-    node = ros.node()
-    executor = Alternating(context=ros.context)
-    executor.add_node(node)
-    heard: list[int] = []
-    node.create_subscription(Int32, "a", lambda m: heard.append(m.data), 10)
-    node.create_publisher(Int32, "a", 10).publish(Int32(data=7))
-    executor.create_task(lambda: None)
-    while heard != [7]:
-        executor.spin_once(10.0)
-    assert set(executor.order) == {"a task", "node"}
-    with pytest.raises(TimeoutException):
-        executor.wait_for_ready_callbacks(timeout_sec=0.01)
-    executor.shutdown()
-    with pytest.raises(ShutdownException):
-        executor.wait_for_ready_callbacks()
-
-
 def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
     executor = ros.executor()
 
@@ -380,17 +327,6 @@ def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_no
     for _ in range(8):
         executor.spin_once(0.01)
     assert set(heard) == {"partial", "timer"}
-
-
-def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture[str]) -> None:
-    for looked_at in (False, True):
-        future: Future[None] = Future()
-        future.set_exception(ValueError(f"looked at: {looked_at}"))
-        if looked_at:
-            future.exception()
-        del future
-    said = capfd.readouterr().err
-    assert said == "The following exception was never retrieved: looked at: False\n"
 
 
 SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)
@@ -459,15 +395,6 @@ def test_timers_follow_the_clock_skip_what_was_missed_and_survive_a_jump_back(
     for second in (2.5, 3.0):
         simulation.at(second)
     assert ticks == [1.0, 3.75, 4.25, 3.0]
-
-
-def test_a_clock_of_ros_time_is_a_ros_clock_and_takes_an_override() -> None:
-    clock: Any = Clock(clock_type=ClockType.ROS_TIME)
-    assert isinstance(clock, ROSClock)
-    clock.set_ros_time_override(Time(seconds=5, clock_type=ClockType.ROS_TIME))
-    assert clock.now().nanoseconds > 10**15  # not active yet
-    clock._set_ros_time_is_active(True)
-    assert clock.now().nanoseconds == 5 * 10**9
 
 
 def test_something_besides_a_bool_is_refused(ros: Ros) -> None:

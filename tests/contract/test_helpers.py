@@ -12,7 +12,6 @@ import rclpy
 import rclpy.logging
 from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
-from rclpy.clock import ROSClock
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import ROSInterruptException
@@ -22,9 +21,8 @@ from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
-from std_msgs.msg import Float32, Float32MultiArray, Int32
+from std_msgs.msg import Float32, Int32
 from std_srvs.srv import Trigger
 
 from tests.support.ros import Ros
@@ -121,12 +119,6 @@ def test_a_parameter_of_a_name_only_takes_any_type(ros: Ros) -> None:
         assert result.successful
 
 
-def test_a_nodes_publishers_are_those_that_it_made_and_its_parameters(ros: Ros) -> None:
-    node = ros.node()
-    node.create_publisher(Int32, "topic", 1)
-    assert sorted(p.topic_name for p in node.publishers) == ["/parameter_events", "/topic"]
-
-
 def test_init_returns_what_ends_it_again() -> None:
     context = Context()
     no = SignalHandlerOptions.NO
@@ -200,16 +192,6 @@ def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() ->
         remove_ros_args(["x", "--ros-args", "--bad"])
 
 
-def test_numbers_are_converted_when_an_array_is_made() -> None:
-    message = Float32MultiArray(data=[1, 2])
-    assert message.data.tolist() == [1.0, 2.0]
-    assert Float32MultiArray(data=map(float, "12")) == message
-    with pytest.raises(AssertionError, match="each value of type 'float'"):
-        message.data = ["x"]
-    with pytest.raises((AssertionError, TypeError)):
-        Float32MultiArray(data=["x"])
-
-
 def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
     node = ros.node()
     assert node.list_parameters([], 0).names == [
@@ -240,19 +222,6 @@ def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:
     assert (second.name, second.level, second.msg) == ("ns.talker.part", 30, "too")
     assert first.function == "test_log_lines_are_published_with_level_name_and_place"
     assert first.stamp.sec > 0
-
-
-def test_none_is_logged_and_a_line_feed_stays(ros: Ros) -> None:
-    lines: list[Log] = []
-    ros.spun("listener").create_subscription(Log, "/rosout", lines.append, 50)
-    node = ros.node("talker")
-    wait_until(lambda: node.count_subscribers("/rosout") == 1)
-    for line in (None, "Incoming request\na: 2 b: 3"):
-        node.get_logger().info(line)
-    wait_until(lambda: len([line for line in [*lines] if line.name == "talker"]) == 2)
-    none, request = [line.msg for line in lines if line.name == "talker"]
-    assert none in ("None", "(null)")  # As C writes it.
-    assert request == "Incoming request\na: 2 b: 3"
 
 
 def test_filters_thin_lines_out(ros: Ros) -> None:
@@ -289,14 +258,6 @@ def test_the_graph_names_nodes_topics_and_services(ros: Ros) -> None:
     )
     with pytest.raises(RuntimeError):
         two.get_service_names_and_types_by_node("nobody", "/")
-
-
-def test_a_service_that_has_only_clients_is_named_but_counts_no_server(ros: Ros) -> None:
-    one, two = ros.node("one"), ros.node("two")
-    one.create_client(Trigger, "wanted")
-    wait_until(lambda: two.count_clients("wanted") == 1)
-    assert two.count_services("wanted") == 0
-    assert ("/wanted", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types()
 
 
 def test_a_destroyed_node_is_off_the_graph(ros: Ros) -> None:
@@ -342,20 +303,3 @@ def test_children_inherit_until_they_have_a_level(logger: RcutilsLogger) -> None
     assert (child.get_effective_level(), logger.get_effective_level()) == (DEBUG, ERROR)
     child.set_level(UNSET)
     assert child.get_effective_level() == ERROR
-
-
-def test_a_throttle_goes_by_the_clock_that_it_is_given(logger: RcutilsLogger) -> None:
-    clock = ROSClock()  # simulated time, at 0
-    clock._set_ros_time_is_active(True)
-    logged = []
-    for second in range(1, 6):
-        logged.append(logger.info("line", throttle_duration_sec=2, throttle_time_source_type=clock))
-        clock.set_ros_time_override(Time(seconds=second, clock_type=clock.clock_type))
-    assert logged == [False, False, True, False, True]  # from the second 2 on
-
-
-def test_severities_by_their_names() -> None:
-    named = [rclpy.logging.get_logging_severity_from_string(one.name) for one in LoggingSeverity]
-    assert named == list(LoggingSeverity)
-    with pytest.raises((RuntimeError, KeyError)):
-        rclpy.logging.get_logging_severity_from_string("LOUD")

@@ -107,14 +107,6 @@ def test_a_destroyed_subscription_gets_nothing(ros: Ros) -> None:
     assert [message.data for message in received] == [1, 2]
 
 
-def test_a_node_added_to_an_executor_late_gets_what_waits(ros: Ros) -> None:
-    node = ros.node()
-    publisher, received = ros.topic(Int32, node)
-    publisher.publish(Int32(data=1))
-    ros.executor(node).spin_once(timeout_sec=10)
-    assert received == [Int32(data=1)]
-
-
 RELIABLE = QoSProfile(depth=1)
 SECOND, TWO_SECONDS = Duration(seconds=1), Duration(seconds=2)
 
@@ -259,24 +251,6 @@ def test_a_call_that_nobody_serves_stays_pending(ros: Ros) -> None:
     future = client.call_async(Trigger.Request())
     assert not future.done()
     client.remove_pending_request(future)
-
-
-def test_an_unspun_service_keeps_the_last_ten_requests(ros: Ros) -> None:
-    server = ros.node("server")
-    served: list[bool] = []
-
-    def answer(request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        served.append(request.data)
-        return response
-
-    server.create_service(SetBool, "set", answer)
-    client = ros.spun("client").create_client(SetBool, "set")
-    assert client.wait_for_service(10.0)
-    futures = [client.call_async(SetBool.Request(data=number >= 5)) for number in range(15)]
-    ros.spin(server)
-    wait_until(lambda: futures[-1].done())
-    assert served == [True] * 10
-    assert sum(future.done() for future in futures) == 10
 
 
 def test_a_service_comes_and_goes(ros: Ros) -> None:

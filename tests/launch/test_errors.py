@@ -39,10 +39,6 @@ WRONG = {
         "21: TypeError: Node.__init__() got an unexpected keyword argument 'node_executable', "
         "in: Node(package='my_robot', node_executable='talker', executable='talker'),"
     ),
-    "Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),": (
-        "21: TypeError: a remapping is a pair in (): ('old', 'new'), not ['a', 'b'], "
-        "in: Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),"
-    ),
     "Node(package='my_robot', executable='talker', parameters=[{'frames': []}]),": (
         "21: TypeError: parameter frames: the list [] is empty, so its type is not known"
     ),
@@ -85,7 +81,6 @@ FILES = {
         "2: AttributeError: module 'os' has no attribute 'nope', in: os.nope()"
     ),
     "def f(:\n": "1: SyntaxError: invalid syntax, in: def f(:",
-    "import sys\nsys.exit(3)": "2: SystemExit: it ends Python, exit code 3, in: sys.exit(3)",
     "from launch_ros.substitutions import FindPackageShare\n"
     "open(FindPackageShare('nav2').find('nav2') + '/a.urdf')": (
         "2: package nav2 is not here, nor its files"

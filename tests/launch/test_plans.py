@@ -312,13 +312,10 @@ SMALL = {
     "n(LaunchConfiguration('x')),": "a",
     # Conditions and booleans.
     "n('a', condition=IfCondition(' TRUE ')),": "a",
-    "n('a', condition=UnlessCondition('0')),": "a",
     "n('a', condition=IfCondition(NotSubstitution('off'))),": "a",
     "n('a', condition=IfCondition(EqualsSubstitution('1', '1.0'))),": "a",
     "n('a', condition=IfCondition(AndSubstitution('on', 'no'))),": "",
-    "n('a', condition=IfCondition(OrSubstitution('off', 'yes'))),": "a",
     "n('a', condition=LaunchConfigurationEquals('x', None)),": "a",
-    "n('a', condition=LaunchConfigurationNotEquals('x', 'b')),": "a",
     "n(IfElseSubstitution('0', 'a', 'b')),": "b",
 }
 
@@ -468,38 +465,28 @@ def test_python_includes_xml_and_yaml(launcher: Launcher) -> None:
 TEXTS = {
     "plain $ text": "plain $ text",
     r"a\$(b": "a$(b",
-    r"\\$(var x)": r"\$(var x)",
     "$$(var x)": "$v",
     "pre$(var x)post": "prevpost",
     "$(var $(var p))": "v",
     "$(var y z)": "z",
-    "$(env NOPE 'a b')": "a b",
-    "$(env NOPE '')": "",
-    '$(env NOPE "x y")': "x y",
     r"$(env NOPE 'it\'s')": "it's",
     "$(env NOPE 'a(b)')": "a(b)",
     r"$(env NOPE a\(b\))": "a(b)",
-    "$(env NOPE $(var x)/$(var p))": "v/x",
     "$(eval '1 + 1')": "2",
     "$(eval \"'$(var x)' == 'v'\")": "True",
     "$(eval 'os.sep' 'math, os')": "/",
     "$(not true)": "false",
     "$(and true 1)": "true",
-    "$(equals 1 1.0)": "true",
-    "$(not-equals a b)": "true",
     "$(if 0 a b)": "b",
     "": "",
 }
 WRONG_TEXTS = {
     "$(var  x)": "one blank is wanted between its words",
-    "$(dirname )": "one blank is wanted between its words",
     "$(var x": "a blank or ) is wanted before '', or quotes",
     "$(vra x)": "there is no such substitution (nearest: var)",
-    "$()": "there is no such substitution",
     "$(var)": "it is written $(var VARIABLE_NAME DEFAULT)",
     "$(eval 1 + 1)": "it is written $(eval EXPRESSION PYTHON_MODULES)",
     "$(env NOPE a(b))": "a blank or ) is wanted before '(b))', or quotes",
-    "$(env NOPE 'a'b)": "a blank or ) is wanted before 'b)', or quotes",
     "$(env NOPE 'ab)": "its ' is not closed",
 }
 
@@ -530,14 +517,11 @@ def test_a_wrong_substitution_is_quoted_with_what_is_wanted(launcher: Launcher) 
 
 PARAMETER_VALUES = {
     'value="1"': "1",
-    'value="1e3"': "1e3",
     'value="yes"': "true",
     'value="[1, 2]"': "[1, 2]",
     "value=\"['$(env NOPE a)', b]\"": "[a, b]",
     'value="1" type="str"': "'1'",
     'value="1" type="float"': "1.0",
-    'value="1" type="bool"': "true",
-    'value="$(eval 2)"': "2",
     'value="$(eval 2)" type="str"': "'2'",
 }
 WRONG = {
@@ -564,7 +548,6 @@ WRONG = {
         "yaml:2: each entry is one action, as `- node:`"
     ),
     "a: [": "yaml:1: not YAML: expected the node content, but found '<stream end>'",
-    "robots: []": "yaml:1: it begins with robots, not launch",
 }
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import threading
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,6 @@ from rclpy.node import Node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session.session import Session
-from archo_tui.user_code import interrupt
 from archo_tui.user_code.usage import Usage, of_process, usage_text
 from tests.support import chosen
 from tests.support.console import console
@@ -77,53 +75,6 @@ def test_a_restarted_copy_keeps_its_own_name() -> None:
         assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
         assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
-
-
-STARTER = """
-import threading
-
-import rclpy
-from rclpy.node import Node
-
-
-def main():
-    rclpy.init()
-    starter = Node("starter")
-    threading.Thread(target=threading.Event().wait, daemon=True).start()
-    rclpy.spin(starter)
-"""
-
-
-@pytest.mark.real_time
-@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there a program is a process")
-def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # CPython before 3.12 raises it in the new thread instead, and its starter waits for ever.
-    starts, asked, is_raised = threading.Event(), threading.Event(), threading.Event()
-    order: list[str] = []
-    start_new_thread, raise_in = threading._start_new_thread, interrupt.raise_in  # type: ignore[attr-defined]
-
-    def start_slowly(*args: Any, **options: Any) -> Any:
-        if threading.current_thread().name == "/starter":
-            starts.set()
-            asked.wait(10)
-            is_raised.wait(0.3)
-            order.append("started")
-        return start_new_thread(*args, **options)
-
-    def note(thread: threading.Thread, *error: Any) -> None:
-        order.append("interrupted")
-        is_raised.set()
-        raise_in(thread, *error)
-
-    monkeypatch.setattr(threading, "_start_new_thread", start_slowly)
-    monkeypatch.setattr("archo_tui.user_code.thread.raise_in", note)
-    with running(written("starter.py", STARTER)) as session:
-        assert starts.wait(10)
-        asked.set()
-        assert session.host.stop_node("/starter").text == "/starter stopped"
-    assert order[:2] == ["started", "interrupted"]
 
 
 CALLER = """

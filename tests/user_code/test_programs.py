@@ -383,12 +383,6 @@ def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
         wait_until(lambda: said() == ["made"])
 
 
-def test_the_last_line_of_a_program_is_an_event_without_its_end_too() -> None:
-    file = written("ends.py", "print('first')\nprint('last one', end='')\n")
-    with running(file) as session:
-        wait_until(lambda: "last one" in texts(session))
-
-
 def test_a_stop_while_a_saved_text_begins_leaves_the_one_before_running(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import gc
 import io
 import json
 import json.decoder
-import sys
 import threading
 from pathlib import Path
-from types import FrameType
 
 import pytest
 
 import archo_tui
 from archo_tui.user_code.errors import OwnCode, traceback_without
-from archo_tui.user_code.interrupt import frame_of
 from archo_tui.user_code.output import HarmlessOutput, NodeOutput
 
 pytestmark = pytest.mark.pure
@@ -71,28 +67,6 @@ def test_errors_that_a_deep_recursion_has_chained_are_all_told() -> None:
     said = traceback_without(error, json)
     assert said.startswith("ValueError: the first\n")
     assert said.rstrip().endswith("RuntimeError: 1999")
-
-
-@pytest.mark.parametrize("was_enabled", [True, False])
-def test_no_garbage_is_collected_while_the_frames_are_taken(
-    was_enabled: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    seen: list[bool] = []
-    frames = sys._current_frames
-
-    def current_frames() -> dict[int, FrameType]:
-        seen.append(gc.isenabled())
-        return frames()
-
-    monkeypatch.setattr(sys, "_current_frames", current_frames)
-    before = gc.isenabled()
-    (gc.enable if was_enabled else gc.disable)()
-    try:
-        assert frame_of(threading.current_thread()) is not None
-        assert gc.isenabled() is was_enabled
-    finally:
-        (gc.enable if before else gc.disable)()
-    assert seen == [False]
 
 
 def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:
