@@ -52,48 +52,25 @@ async def read() -> None:
     await until(lambda: time.monotonic() > end)
 
 
-async def test_a_console_is_read_and_stopped(terminals: list[Terminal]) -> None:
-    terminals.append(Terminal("--plain"))
-    async with beside(terminals[0]) as model:
-        status = await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
-        assert status["robot"] == "ARCHO"
-        assert status["battery"]["source"] == "measured"
-        assert 0 <= status["battery"]["age"] < 60
-        assert status["motion"]["word"] == "IDLE"
-
-        robot = await told(model, "events", lambda robot: "Dashboard sees" in str(robot))
-        events = robot["events"]
-        assert all(0 <= event["age"] < 600 for event in events)
-        assert (await model.call("events", level="FATAL")).robot["events"] == []
-
-        charge = (await model.call("history")).robot["charge"]["readings"]
-        assert [value["age"] for value in charge] == [0.0, 60.0, 600.0, 3600.0]
-        assert charge[0]["value"] == pytest.approx(status["battery"]["percentage"], abs=5)
-
-        found = (await model.call("parameters", node="motor_controller")).robot["parameters"]
-        assert {"max_speed", "shelf_count"} <= {one["name"] for one in found}
-        one = await model.call("parameters", node="motor_controller", name="max_speed")
-        assert one.robot["parameters"][0]["value"] == 0.8
-        said = await model.call("parameters", node="motor_controller", name="no_such")
-        assert (said.failed, said.data["code"]) == (True, "misuse")
-
-        said = await model.call("stop")
-        assert said.data["summary"].startswith("STOP is confirmed by the robot")
-        status = (await model.call("status")).robot
-        assert status["motion"]["stopped"] is True
-        await until(lambda: "STOP: confirmed" in terminals[0].text)
-
-
-async def test_a_goal_is_driven_when_a_person_at_the_terminal_has_allowed_it(
+async def test_a_console_is_read_a_goal_is_driven_once_allowed_and_stopped(
     terminals: list[Terminal],
 ) -> None:
     fast = ("--ros-args", "-p", "time_scale:=75.0", "-p", "feedback_period:=0.05")
     terminals.append(Terminal("--plain", *fast))
     async with beside(terminals[0]) as model:
-        await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        status = await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        assert (status["robot"], status["battery"]["source"]) == ("ARCHO", "measured")
+        events = (await told(model, "events", lambda robot: "Dashboard sees" in str(robot)))[
+            "events"
+        ]
+        assert all(0 <= event["age"] < 600 for event in events)
+        charge = (await model.call("history")).robot["charge"]["readings"]
+        assert charge[0]["value"] == pytest.approx(status["battery"]["percentage"], abs=5)
+        one = await model.call("parameters", node="motor_controller", name="max_speed")
+        assert one.robot["parameters"][0]["value"] == 0.8
+
         said = await model.call("go", kind="go", values={"shelf_number": 12})
         assert (said.failed, said.data["code"]) == (False, "asked")
-        assert "Request 1 waits for a person" in said.data["summary"]
         waits = await model.call("wait", request=1, seconds=0)
         assert waits.data["code"] == "ran_out"
         await until(lambda: "wants: go to shelf 12 (allow 1" in terminals[0].text)
@@ -102,3 +79,8 @@ async def test_a_goal_is_driven_when_a_person_at_the_terminal_has_allowed_it(
         await until(lambda: "allowed request 1" in terminals[0].text)
         ended = await model.call("wait", request=1, seconds=50)
         assert (ended.failed, ended.data["code"]) == (False, "arrived")
+
+        said = await model.call("stop")
+        assert said.data["summary"].startswith("STOP is confirmed by the robot")
+        assert (await model.call("status")).robot["motion"]["stopped"] is True
+        await until(lambda: "STOP: confirmed" in terminals[0].text)

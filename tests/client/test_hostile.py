@@ -153,47 +153,6 @@ async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
         await goes_on(person)
 
 
-async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_connected() -> None:
-    async with served(ros_args=LONG) as person:
-        one = await raw()
-        one.send(
-            *(
-                {"id": n, "words": ["set", "motor_controller", "max_speed", f"1.{n}"]}
-                for n in range(9)
-            )
-        )
-        await heard(person, "max_speed 1.0")
-        one.close()
-        station = person.station
-        await until(lambda: not station.clients)
-        for _ in range(20):
-            await typed("status")
-        assert "max_speed 1.8" not in person.said
-        await until(lambda: not station.clients)
-
-
-async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() -> None:
-    async with served(ros_args=LONG) as person:
-        station = person.station
-        send = station.robot.send
-        sending, go_on = asyncio.Event(), asyncio.Event()
-
-        async def slow(*given: Any, **more: Any) -> Any:
-            sending.set()
-            await go_on.wait()
-            return await send(*given, **more)
-
-        station.robot.send = slow  # type: ignore[method-assign]
-        one = await raw()
-        one.send({"id": 1, "words": ["go", "12", "7"], "wait": True})
-        await sending.wait()
-        one.close()
-        await until(lambda: not station.clients)
-        go_on.set()
-        await heard(person, "CANCELLED")
-        assert not station.queue.waiting
-
-
 @pytest.mark.parametrize(
     ("unanswered", "gives_up", "asked", "said"),
     [

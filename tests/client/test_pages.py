@@ -136,15 +136,6 @@ async def test_the_examples_in_python_do_what_they_say(
         assert line in said
 
 
-async def test_keep_names_its_recording_once_it_is_written_and_then_comes_the_next_line() -> None:
-    async with operated(ros_args=FAST) as person:
-        person.type("keep\nget motor_controller max_speed\n")
-        await person.until("the last 60 s are recorded, and the next 5 s")
-        assert await person.end() == 0
-        (recording,) = store.list_recordings(state_file("recordings"))
-        assert re.search(f"recorded {recording.name}\n(.*\n)*.* max_speed is", person.said)
-
-
 @pytest.mark.real_time
 @pytest.mark.parametrize("line", ["keep", "wait battery 100"])
 async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(line: str) -> None:

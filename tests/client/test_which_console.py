@@ -409,20 +409,6 @@ async def test_a_stop_of_a_client_that_has_gone_is_carried_out() -> None:
         await heard(person, "STOP: confirmed")
 
 
-async def test_a_stop_behind_what_cannot_be_answered_is_read(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(server, "_CHUNK", 32)
-    async with served() as person:
-        gone = reached()
-        await asyncio.to_thread(gone.setblocking, True)
-        assert await asyncio.to_thread(gone.recv, 65536)  # its hello
-        with held():
-            gone.send(STATUS_LINE + b"\n" * 10_000 + STOP)  # a while between the first and the last
-            gone.close()
-        await heard(person, "STOP: confirmed")
-
-
 # processes
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -20,7 +19,6 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32, Header, String
 
-import archo_tui
 from archo_tui.robot_file import load
 from archo_tui.screen.commands.generic import _publish_values
 from archo_tui.text.nodes import node_rows
@@ -217,35 +215,6 @@ async def test_a_shell_gets_messages_rates_and_types_as_text_or_objects() -> Non
         result = json.loads((await typed("interface", "Float32", "--json")).out)
         assert result["data"]["type"] == "std_msgs/msg/Float32"
         assert result["data"]["definition"].endswith("float32 data")
-        await person.end()
-
-
-@pytest.mark.real_time
-async def test_a_program_iterates_over_messages() -> None:
-    found: list[dict[str, Any]] = []
-    errors: list[str] = []
-
-    def run() -> None:
-        with archo_tui.connect() as robot:
-            for message in robot.messages("fast"):
-                found.append(message)
-                if len(found) == 3:
-                    break
-            found.extend(robot.messages("slow", "frame_id", timeout=2.5))
-            try:
-                next(robot.messages("nosuch"))
-            except archo_tui.Misused as error:
-                errors.append(str(error))
-
-    async with served(Talker) as person:
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
-        await until_beside(lambda: not thread.is_alive())
-        counts = [message["data"] for message in found[:3]]
-        assert counts == sorted(set(counts))
-        assert found[3] == {"frame_id": "map"}
-        assert errors == ["no topic /nosuch is on the graph"]
-        await until_beside(lambda: not (listens("/fast") or listens("/slow")))
         await person.end()
 
 

@@ -116,19 +116,8 @@ def test_what_is_no_list_of_single_values_is_refused(text: str) -> None:
 
 def test_whatever_is_typed_is_a_value_or_one_line() -> None:
     chance = random.Random(24)
-    parts = [
-        "&a",
-        "*a",
-        "!!int ",
-        "!x ",
-        "<<",
-        "? ",
-        "|",
-        "\\U0011ffff",
-        "\0",
-        "\ud800",
-        "%YAML 9\n",
-    ]
+    parts = [*("&a", "*a", "!!int ", "!x ", "<<", "? ", "|", "\\U0011ffff", "\0", "\ud800")]
+    parts += ["%YAML 9\n"]
     parts += ["---", "0x", "1e", "!!map {", "!!str [", "\u2028", "\t", *"[]{}:,-'\"#~>ab12. \n"]
     for _ in range(3000):
         text = "".join(chance.choices(parts, k=chance.randint(1, 25)))
