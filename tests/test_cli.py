@@ -135,35 +135,15 @@ def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path, refused: 
     assert refused("keys") == f"{file}:1: 1 is already the key of panel_1"
 
 
-def test_the_keymap_is_that_of_the_robot_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = str(Path(__file__).parent / "robots" / "rover.yaml")
-
-    def keys(*words: str) -> str:
-        assert main(["keys", *words]) == 0
-        return capsys.readouterr().out
-
-    assert "\ndock: D " in keys("--robot", file)
-    assert "\nreset: " not in keys("--robot", file)
-    (tmp_path / "config" / "archo-tui").mkdir(parents=True)
-    keymap = tmp_path / "config" / "archo-tui" / "keymap.yaml"
-    keymap.write_text("dock: f6\nreset: f7\n")  # one keymap serves two robots
-    assert "\ndock: f6 " in keys("--robot", file)
-    assert "\nreset: f7 " in keys()
-
-
 BLINK = "commands:\n  - {id: blink, title: Blink, service: blink, key: b}\n"
 BEEP = "  - {id: beep, title: Beep, service: beep, key: KEY}\n"
 WRONG_FILES = [
     ("name: x\nbatery: none\n", "2: unknown key batery (nearest: battery)"),
     (BLINK + BEEP.replace("KEY", "q"), "3: q is the key of quit: choose another"),
-    (BLINK + BEEP.replace("KEY", "b"), "3: b is the key of blink: choose another"),
     (
         BLINK + BEEP.replace("KEY", "tab"),
         "3: tab is needed in fields and dialogs: choose another",
     ),
-    (BLINK + BEEP.replace("KEY", "warp"), "3: no key 'warp': like x, ctrl+x, f5, question_mark"),
 ]
 
 

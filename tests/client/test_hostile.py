@@ -244,16 +244,6 @@ async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
             assert (await guest_.result())["code"] == "done"
 
 
-async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
-    async with served(ros_args=FAST, watch=True) as person:
-        for words in ("stop", "go 12", "set motor_controller max_speed 0.5", "release --yes"):
-            said = await typed(*words.split())
-            assert said.code == 1, words
-            assert "watching" in said.err
-        assert (await typed("status", "--line")).code == 0
-        assert "SHELL" not in person.said
-
-
 @pytest.mark.parametrize("fault", ["mode", "file"])
 async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into(
     fault: str,

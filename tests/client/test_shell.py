@@ -10,7 +10,6 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
@@ -22,12 +21,10 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.cli.verb import helps, verbs_of_file
 from archo_tui.client import find, shell
 from archo_tui.console import session
-from archo_tui.robot.state.goal import Phase
 from tests.support.console import FAST, LONG
-from tests.support.hesitant import Hesitant
-from tests.support.robot import hearing, making
+from tests.support.robot import hearing
 from tests.support.script import SLOW, Script
-from tests.support.shells import Graph, Said, client, guest, heard, raw, said, served, typed, until
+from tests.support.shells import Graph, Said, client, guest, heard, said, served, typed, until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
@@ -174,21 +171,6 @@ def test_what_asks_is_answered_at_the_callers_terminal(terminals: list[Terminal]
             assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
 
 
-def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
-    terminals: list[Terminal],
-) -> None:
-    with Script(*SLOW) as script:
-        script.ready()
-        script.type("go 12\n")
-        script.until("MOVING to 12")
-        terminal = Terminal("reset", domain=script.domain)
-        terminals.append(terminal)
-        terminal.until("Reset encoder now? [y/N]")
-        script.type("cancel\n")
-        terminal.until("archo-tui: reset: the goal that was asked about has ended")
-        assert terminal.exit_code() == 1
-
-
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -219,30 +201,6 @@ def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
         _, err = shell.communicate(timeout=DEADLINE)
     assert shell.returncode == 3
     assert "the console is gone; the robot may still be moving" in err
-
-
-@pytest.mark.parametrize("how", ["--wait", "killed"])
-async def test_a_goal_that_is_taken_late_is_cancelled(how: str, unlimited: Path) -> None:
-    made: list[Hesitant] = []
-    async with served(making(made, Hesitant), robot=unlimited) as person:
-        robot = person.station.robot
-
-        def phase() -> Phase | None:
-            goal = robot.snapshot.goal
-            return None if goal is None else goal.phase
-
-        await until(lambda: "move_to_shelf" in robot.snapshot.offered)
-        if how == "killed":
-            program = await raw()
-            program.send({"id": 1, "words": ["go", "12"], "wait": True})
-            await until(lambda: made[0].seen)
-            program.close()
-        else:
-            told = await typed("go", "12", *how.split())
-            assert (told.code, "the goal may be running" in told.err) == (1, True)
-        await until(lambda: "go to shelf 12: no answer in 2 s" in person.said)
-        made[0].answer()
-        await until(lambda: phase() == Phase.CANCELLED)
 
 
 ENDS = [  # what is typed, the exit code, and what is said on standard error

@@ -10,17 +10,11 @@ from archo_tui.user_code.ros_launch.evaluate import LaunchFileError
 from archo_tui.user_code.ros_launch.plan import LaunchPlan
 from tests.launch.planning import Launcher
 
-NAMED = """
-from launch import LaunchDescription
-from launch_ros.actions import Node
-
-def generate_launch_description():
-    return LaunchDescription([
-        Node(package='my_robot', executable='talker', name='my_talker', output='screen'),
-        Node(package='my_robot', executable='listener',
-             remappings=[('chatter', '/robot/chatter'), ('a', 'b')],
-             arguments=['--quiet', '--count', '3']),
-    ])
+NAMED = """\
+Node(package='my_robot', executable='talker', name='my_talker', output='screen'),
+Node(package='my_robot', executable='listener',
+     remappings=[('chatter', '/robot/chatter'), ('a', 'b')],
+     arguments=['--quiet', '--count', '3']),
 """
 GROUPS = """\
 GroupAction([
@@ -60,25 +54,15 @@ Node(package='my_robot', executable='talker', parameters=[{'rate': PythonExpress
     ["'", LaunchConfiguration('mode'), "' in ('fast', 'slow')"]
 ))),
 """
-INCLUDE = """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
-
-def generate_launch_description():
-    return LaunchDescription([
-        DeclareLaunchArgument('hz', default_value='7.5'),
-        IncludeLaunchDescription(
-            PythonLaunchDescriptionSource(
-                PathJoinSubstitution([FindPackageShare('my_robot'), 'launch', 'talker.launch.py'])
-            ),
-            launch_arguments={'rate': LaunchConfiguration('hz')}.items(),
-        ),
-        Node(package='my_robot', executable='listener'),
-    ])
+INCLUDE = """\
+DeclareLaunchArgument('hz', default_value='7.5'),
+IncludeLaunchDescription(
+    PythonLaunchDescriptionSource(
+        PathJoinSubstitution([FindPackageShare('my_robot'), 'launch', 'talker.launch.py'])
+    ),
+    launch_arguments={'rate': LaunchConfiguration('hz')}.items(),
+),
+Node(package='my_robot', executable='listener'),
 """
 OPAQUE = """
 from launch import LaunchDescription
@@ -241,10 +225,10 @@ def test_respawn_environment_and_timers_are_told(launcher: Launcher) -> None:
 
 
 def test_a_nodes_line_is_that_of_its_own_file(launcher: Launcher) -> None:
-    plan = launcher.plan(launcher.write(INCLUDE))
+    plan = launcher.of_actions(INCLUDE)
     assert [(program.file.rpartition("/")[2], program.line) for program in plan.programs] == [
         ("talker.launch.py", 11),
-        ("test.launch.py", 18),
+        ("test.launch.py", 28),
     ]
 
 

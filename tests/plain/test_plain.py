@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from archo_tui.cli.options import console_parser
@@ -22,12 +21,6 @@ from tests.support.plain import operated, plain
 from tests.support.script import SLOW, Script, shell
 
 ROOT = Path(__file__).parent.parent.parent
-
-
-async def test_a_goal_whose_node_was_halted_is_not_waited_for_for_ever() -> None:
-    code, said = await plain("go 12\nhalt motor_controller --yes\n", ros_args=LONG)
-    assert code == 1
-    assert "goal LOST, shelf 12, the robot may still be moving" in said
 
 
 @pytest.mark.parametrize("last", ["go 12\nquit\n", "go 12"])
@@ -75,20 +68,12 @@ def test_page_and_help_agree_on_the_exit_code() -> None:
 
 
 class Noted(Node):
-    """Has a text that is set; when it is, an error twice at once, and two that differ."""
+    """Has a text and a list."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__("noted", **given)
         self.declare_parameter("text", "as it was")
         self.declare_parameter("list", ["a"])
-        self.add_on_set_parameters_callback(self._set)
-
-    def _set(self, parameters: Any) -> SetParametersResult:
-        for _ in range(2):
-            self.get_logger().error("twice at once")
-        for joint in (1, 2):
-            self.get_logger().error(f"Joint {joint} overheated")
-        return SetParametersResult(successful=True)
 
 
 async def test_a_line_is_split_as_a_shell_does() -> None:
@@ -105,14 +90,6 @@ async def test_a_line_is_split_as_a_shell_does() -> None:
     assert code == 1, said
     for told in lines.values():
         assert told in said
-
-
-async def test_errors_are_told_once_also_those_that_differ_in_a_whole_number_only() -> None:
-    code, said = await plain("set noted text new\n", Noted)
-    assert code == 0, said
-    assert len(re.findall(r"ERROR noted: twice at once( \(x 2\))?\n", said)) == 1
-    for joint in (1, 2):
-        assert said.count(f"ERROR noted: Joint {joint} overheated\n") == 1
 
 
 async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -> None:
@@ -162,20 +139,6 @@ def test_no_input_or_output_whatever_is_a_traceback(command: str, code: int, sai
     assert b"Exception" not in done.stderr
     assert b"Broken pipe" not in done.stderr  # who reads no further knows it
     assert (done.returncode, said in done.stderr.decode()) == (code, True), done
-
-
-def test_what_a_node_file_prints_is_nothing_that_a_terminal_acts_on(tmp_path: Path) -> None:
-    (tmp_path / "loud.py").write_text(
-        "import sys\nfrom rclpy.node import Node\n"
-        r'print("\x1b[2Jout"); print("\x1b[2Jerr", file=sys.stderr)'
-        "\n\n\nclass Loud(Node):\n"
-        "    def __init__(self):\n        super().__init__('loud')\n"
-        r"        print('\x1b[2Jmade', file=sys.stderr)"
-    )
-    done = shell(f"archo --plain --only --node {tmp_path}/loud.py </dev/null")
-    assert done.returncode == 0, done
-    assert done.stdout[9:].decode() == "INFO loud stdout: \ufffd[2Jout\n", done
-    assert done.stderr.decode().splitlines() == ["\ufffd[2Jerr", "\ufffd[2Jmade"]
 
 
 def test_an_ascii_output_gets_ascii() -> None:

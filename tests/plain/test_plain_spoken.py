@@ -257,21 +257,6 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
         assert seconds() - began < 0.5
 
 
-async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> None:
-    made: list[Hesitant] = []
-    async with operated(making(made, Hesitant)) as person:
-        person.type("go 12\ncancel\nnodes\n")
-        await until(lambda: made and made[0].seen)
-        station, began = person.station, seconds()
-        goals = station.robot.goals
-        await until(lambda: goals.ours is not None and goals.ours.is_cancelled)
-        assert seconds() - began < 1.0
-        assert "hesitant up" not in person.said  # what follows keeps its place
-        made[0].answer()
-        await person.until("goal CANCELLED")
-        await person.until("hesitant up")
-
-
 async def test_a_cancel_in_the_same_pipe_tells_the_queue_once() -> None:
     async with operated(ros_args=LONG) as person:
         person.type("go 12 7\ncancel\n")

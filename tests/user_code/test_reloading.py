@@ -17,7 +17,7 @@ from archo_tui.robot.state.events import Event
 from archo_tui.session.session import Session
 from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
-from tests.support.console import LONG, Console, console
+from tests.support.console import Console, console
 from tests.support.plain import operated, typing
 from tests.support.quiet import outside, until
 from tests.user_code.support import running as hosting
@@ -136,33 +136,6 @@ async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
     async with operated(node_files=[file]) as typed:
         await typed.until("INFO talker: own words")
         assert "INFO dashboard" not in typed.said
-
-
-async def test_a_goal_ends_with_its_node(here: Path) -> None:
-    file = here / "motor.py"
-    file.write_text(
-        "from archo_bringup.motor_controller import MotorController\n"
-        "class Motor(MotorController):\n    pass\n"
-    )
-    async with console(*LONG, node_files=[file]) as op:
-
-        async def is_offered() -> None:
-            states, since = op.session.host.states, clock.seconds() + 2.0
-            await op.until(lambda: any("/move_to_shelf" in node.serves for node in states()))
-            # On ROS 2 the old one is still seen for a moment: two servers, so no goal is sent.
-            await op.until(lambda: (op.app.view.snapshot.motion.received or 0.0) > since)
-            await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
-            await op.until(lambda: not op.app.view.snapshot.duplicate_servers)
-
-        await is_offered()
-        await op.press("g", "7", "enter")
-        await op.until("MOVING to 7")
-        await save(op, file, file.read_text() + "# another\n")
-        await op.until("✗ LOST")
-        assert "the robot may still be moving" in op.line("✗ LOST")
-        await is_offered()
-        await op.press("g", "8", "enter")
-        await op.until("MOVING to 8")
 
 
 @pytest.mark.skipif("chosen.ENGINE == 'ros2'", reason="there a node comes back seconds later")

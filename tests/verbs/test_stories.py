@@ -103,28 +103,13 @@ async def test_a_node_that_has_not_answered_is_no_node_without_that_parameter(he
     assert "known:" in (here / "a.yaml").read_text()
 
 
-async def test_what_a_file_says_of_others_is_left_out_said_and_a_failure(here: Path) -> None:
-    text = "motor_controller:\n  ros__parameters:\n    max_speed: 0.8\n    nosuch: 1\n"
-    (here / "a.yaml").write_text(text)
-    code, said = await plain("load a.yaml\n")
-    assert code == 1, said
-    assert said.endswith(
-        " failed: load: nothing was changed\n"
-        "left out: a.yaml:4: /motor_controller has no parameter nosuch\n"
-    )
-
-
 UNUSABLE = [
     ("load bad.yaml --yes", "nothing was changed: bad.yaml:3: motor_controller max_speed: "),
     ("load nosuch.yaml", "nosuch.yaml: cannot read the parameter file: No such file"),
-    ("load there", "there: not a regular file"),
     ("load ''", "type the name of a file"),
-    ("load ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
     ("save there --yes", "there: not a regular file"),
     ("save there", "there already exists. Overwrite it? (add --yes to do it)"),
     ("save nosuch/x.yaml", "nosuch/x.yaml: cannot write the file: No such file"),
-    ("save '' --yes", "type the name of a file"),
-    ("save ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
 ]
 
 
@@ -211,15 +196,6 @@ async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: st
         await person.enter(f"ack{words}", f"{done}\n")
         person.type("ack all\nack\n")
         await person.until("failed: ack: no alarm to acknowledge")
-
-
-async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
-    async with silent("motor stop not confirmed") as person:
-        await person.until("alarm unacknowledged: CONTACT LOST")
-        person.type("shelve stop\nshelve stop the hardware stop is pressed\nalarms\n")
-        await person.until(": the hardware stop is pressed: ")
-    assert "failed: shelve: type a reason: it goes into the journal" in person.said
-    assert "stop not confirmed: shelved for 10 min\n" in person.said
 
 
 @pytest.mark.parametrize(
