@@ -9,7 +9,6 @@ import pydoc
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
@@ -27,13 +26,12 @@ from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
-from archo_tui.console.session import RequestHandler
 from archo_tui.robot.outcome import Code
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
 from tests.support.script import SLOW, Script
-from tests.support.shells import heard, reached, served, typed, until
+from tests.support.shells import heard, served, typed, until
 from tests.support.waiting import DEADLINE
 
 REPORTING = ("-p", "feedback_period:=0.05")
@@ -375,32 +373,6 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
     await until(goal.done)
     with pytest.raises(Unreached, match="may still be moving"):
         await asyncio.to_thread(goal.cancel)
-
-
-@pytest.mark.real_time
-async def test_a_goal_of_a_program_that_has_gone_or_no_time_is_not_sent(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    has_left, gone = threading.Event(), RequestHandler.on_client_left
-
-    def left(desk: RequestHandler, client: Any) -> None:
-        gone(desk, client)
-        has_left.set()
-
-    monkeypatch.setattr(RequestHandler, "on_client_left", left)
-    async with served(ros_args=LONG) as person:
-        await typed("wait", "ready")
-        await until(has_left.is_set)
-        has_left.clear()
-        with reached() as program:
-            request = {"id": 1, "words": ["go", "12"], "wait": True, "timeout": 60}
-            program.send(json.dumps(request).encode() + b"\n")
-        assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
-        await typed("wait", "idle")
-        with pytest.raises(RanOut):
-            await does(lambda robot: robot.do("go", "12", timeout=0))
-        assert "go to shelf 12: accepted" not in person.said
-        assert (await does(lambda robot: robot.status())).goal is None
 
 
 # consoles that hang or go

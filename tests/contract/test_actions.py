@@ -20,7 +20,6 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 
-from tests.support.clock import pass_time
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
@@ -264,17 +263,3 @@ def test_a_status_tells_of_every_goal_that_is_kept(ros: Ros) -> None:
         qos_profile_action_status_default,
     )
     wait_until(lambda: late == [2])
-
-
-def test_a_goal_that_is_forgotten_or_destroyed_is_nobodys_any_more(ros: Ros) -> None:
-    robot = Robot(ros, result_timeout=1)
-    handle = send(ros, robot)
-    robot.end("succeed")
-    ros.result(handle.get_result_async())
-    (goal,) = robot.goals
-    pass_time(1.1)
-    wait_until(lambda: goal.status == GoalStatus.STATUS_UNKNOWN)
-    assert not goal.is_active
-    goal.abort()  # nothing, and no error
-    goal.publish_feedback(MoveToShelf.Feedback())
-    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN

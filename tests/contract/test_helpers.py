@@ -52,14 +52,6 @@ def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
     assert ticks == [1]
 
 
-def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
-    node, executor = ros.node(), ros.executor()
-    node.executor = executor
-    assert node in executor.get_nodes()
-    node.executor = None
-    assert node not in executor.get_nodes()
-
-
 @pytest.mark.real_time
 def test_a_future_that_another_thread_sets_ends_the_spin_at_once(ros: Ros) -> None:
     executor = ros.executor(ros.node())
@@ -174,34 +166,10 @@ def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
     quiet.close()
 
 
-DESCRIBES_TYPES = "start_type_description_service"
-
-
-def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
-    called: list[str] = []
-    ros.context.on_shutdown(lambda: called.append("then"))
-    ros.context.try_shutdown()
-    assert called == ["then"]
-    ros.context.on_shutdown(lambda: called.append("late"))
-    assert called == ["then", "late"]
-
-
 def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() -> None:
     assert remove_ros_args(["x", "--ros-args", "-r", "a:=b", "--", "y"]) == ["x", "y"]
     with pytest.raises(RuntimeError, match="--bad"):
         remove_ros_args(["x", "--ros-args", "--bad"])
-
-
-def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
-    node = ros.node()
-    assert node.list_parameters([], 0).names == [
-        "use_sim_time",
-        DESCRIBES_TYPES,
-    ]
-    assert node.get_parameter_type(DESCRIBES_TYPES) == 1
-    assert node.describe_parameter(DESCRIBES_TYPES).read_only
-    said: Parameter[bool] = Parameter(DESCRIBES_TYPES, value=False)
-    assert "read-only" in node.set_parameters([said])[0].reason
 
 
 def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:

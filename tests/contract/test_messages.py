@@ -13,7 +13,6 @@ from archo_interfaces.msg import BatteryStatus
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import (
     FloatingPointRange,
-    ListParametersResult,
     Log,
     Parameter,
     ParameterDescriptor,
@@ -200,19 +199,6 @@ def test_what_is_wrong_with_an_array_names_its_length_and_its_limits() -> None:
         ParameterDescriptor().floating_point_range = [FloatingPointRange()] * 2
     with pytest.raises(AssertionError, match="with length 16 and each value of type 'int'"):
         UUID().uuid = [1] * 15
-
-
-def test_a_list_that_was_assigned_can_be_filled_until_it_is_sent(ros: Ros) -> None:
-    node = ros.node()
-    publisher, heard = ros.topic(ListParametersResult, node)
-    ros.spin(node)
-    names: Any = ["a"]
-    message = ListParametersResult(names=names, prefixes={"c"})  # type: ignore[arg-type]
-    names.append("b")
-    publisher.publish(message)
-    names.append("too late")
-    wait_until(lambda: heard)
-    assert (heard[0].names, heard[0].prefixes) == (["a", "b"], ["c"])
 
 
 def test_arrays_of_a_fixed_size_are_compared_read_and_set() -> None:

@@ -209,18 +209,6 @@ def test_every_change_is_an_event(ros: Ros) -> None:
     assert changed.changed_parameters[0].value.double_value == 1.5
 
 
-def test_another_nodes_parameters_are_deleted(ros: Ros) -> None:
-    node = ros.spun("holder", allow_undeclared_parameters=True)
-    node.declare_parameter("kept", 1)
-    node.declare_parameter("loose", 2, ParameterDescriptor(dynamic_typing=True))
-    client = AsyncParameterClient(ros.spun("asker"), "holder")
-    assert client.wait_for_services(10.0)
-    results = ros.result(client.delete_parameters(["kept", "loose"])).results
-    assert [result.successful for result in results] == [False, True]
-    assert results[0].reason == "Static parameter cannot be undeclared"
-    assert (node.has_parameter("kept"), node.has_parameter("loose")) == (True, False)
-
-
 @pytest.mark.pure
 @pytest.mark.parametrize(
     ("text", "value"),

@@ -119,12 +119,9 @@ def test_both_ends_are_told_which_policy_a_subscription_asks_too_much_of(ros: Ro
     cases: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
         ("RELIABILITY", {"reliability": ReliabilityPolicy.BEST_EFFORT}, {}),
         ("DURABILITY", {}, {"durability": DurabilityPolicy.TRANSIENT_LOCAL}),
-        ("DEADLINE", {}, {"deadline": SECOND}),
         ("DEADLINE", {"deadline": TWO_SECONDS}, {"deadline": SECOND}),
         ("LIVELINESS", {"liveliness": LivelinessPolicy.AUTOMATIC}, {"liveliness": manual}),
-        ("LIVELINESS", {}, {"liveliness_lease_duration": SECOND}),
         ("", {"durability": DurabilityPolicy.TRANSIENT_LOCAL}, {}),
-        ("", {}, {"reliability": ReliabilityPolicy.BEST_EFFORT}),
         ("", {"deadline": SECOND}, {"deadline": TWO_SECONDS}),
         ("", {"liveliness": manual, "liveliness_lease_duration": SECOND}, {"liveliness": manual}),
     ]

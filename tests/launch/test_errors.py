@@ -161,13 +161,6 @@ def test_words_that_are_no_arguments_are_refused() -> None:
         parse_arguments(["use_sim=true"])
 
 
-def test_a_file_that_is_not_there_or_no_launch_file_is_refused(launcher: Launcher) -> None:
-    with pytest.raises(LaunchFileError, match=r"no\.launch\.py: there is no such launch file"):
-        launcher.plan(launcher.folder / "no.launch.py")
-    with pytest.raises(LaunchFileError, match="not the name of a launch file"):
-        launcher.plan(launcher.write("", "a.txt"))
-
-
 def test_arguments_are_listed_without_performing_anything(
     launcher: Launcher, workspace: Workspace
 ) -> None:

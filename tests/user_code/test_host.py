@@ -19,7 +19,7 @@ from archo_tui.user_code.usage import Usage, of_process, usage_text
 from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import wait_until
-from tests.user_code.support import running, texts, written
+from tests.user_code.support import running, spinning, texts, written
 
 
 class Bad(Node):
@@ -169,23 +169,6 @@ def test_stopping_a_node_ends_the_spin_that_would_never_end(here: Path) -> None:
             assert "tick 1 ends: True" not in texts(session)
 
 
-BUSY = """
-import rclpy
-from rclpy.node import Node
-
-class Busy(Node):
-    def __init__(self):
-        super().__init__("busy")
-        self.create_timer(0.1, lambda: sum(range(100_000)))
-
-def main():
-    rclpy.init()
-    rclpy.spin(Busy())
-
-main()
-"""
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
 @pytest.mark.parametrize(
     ("before", "said"),
@@ -208,9 +191,8 @@ def test_a_process_that_has_ended_takes_nothing() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
-async def test_the_dialog_of_a_program_shows_what_it_takes(tmp_path: Path) -> None:
-    file = tmp_path / "busy.py"
-    file.write_text(BUSY)
+async def test_the_dialog_of_a_program_shows_what_it_takes(here: Path) -> None:
+    file = spinning("busy", "node.create_timer(0.1, lambda: sum(range(100_000)))")
     async with console(node_files=[file], only=True, wait=False, size=(120, 36)) as op:
         await op.until("● busy")
         await op.press("5", "enter")

@@ -17,36 +17,20 @@ from archo_tui.user_code.file import ProgramFile
 from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import wait_until
-from tests.user_code.support import running, written
+from tests.user_code.support import running, spinning, written
 
 LISTINGS = Path(textbook.__file__).parent
-GREETER = """
-import rclpy
-from rclpy.node import Node
-
-class Greeter(Node):
-    def __init__(self):
-        super().__init__("greeter")
-        self.create_timer(0.5, lambda: self.get_logger().warning("hello from my own node"))
-
-def main():
-    rclpy.init()
-    rclpy.spin(Greeter())
-
-if __name__ == "__main__":
-    main()
-"""
+GREETS = 'node.create_timer(0.5, lambda: node.get_logger().warning("hello from my own node"))'
 
 
 async def test_ones_own_node_runs_beside_the_robots_and_what_it_prints_is_an_event(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    prints = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)
-    async with console(node_files=[written("my_node.py", prints)]) as op:
+    async with console(node_files=[spinning("greeter", f"print('\\x1b[31m')\n{GREETS}")]) as op:
 
         def printed() -> list[str]:
             events = op.app.view.snapshot.events
-            return [event.text for event in events if event.source == "my_node stdout"]
+            return [event.text for event in events if event.source == "greeter stdout"]
 
         await op.until(printed)
         assert printed() == [f"{HIDDEN}[31m"]
@@ -114,15 +98,14 @@ def test_a_file_that_does_not_run_is_one_line(text: str, line: str, said: str, h
         assert "\n" not in program.state.error
 
 
-def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(tmp_path: Path) -> None:
-    taken = GREETER.replace("import rclpy\n", "import sys\nsys.stdout = None\nimport rclpy\n", 1)
-    with running(written(tmp_path / "my_node.py", taken), only=False):
+def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(here: Path) -> None:
+    with running(spinning("taker", "import sys\nsys.stdout = None"), only=False):
         assert sys.stdout is not None
 
 
 @pytest.mark.posix
 def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
-    file = ProgramFile(str(written(tmp_path / "my_node.py", GREETER)))
+    file = ProgramFile(str(written(tmp_path / "my_node.py", "")))
     file.path.unlink()
     os.mkfifo(file.path)
     with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
