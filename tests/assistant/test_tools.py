@@ -574,24 +574,6 @@ async def test_a_console_that_does_not_answer_is_said_and_the_link_stays() -> No
     assert "may still be moving" in SILENT
 
 
-async def test_what_a_console_says_beside_results_is_passed_over() -> None:
-    async with fake_console() as console, linked() as link:
-
-        async def chats(request: dict[str, Any]) -> dict[str, Any]:
-            for said in (
-                {"id": 999, "code": "done"},
-                {"id": None, "code": "misuse"},
-                {"id": [1], "code": "done"},
-                {"id": request["id"], "said": "accepted"},
-                {"id": request["id"], "code": 7},
-            ):
-                console.say(said)
-            return {"code": "done", "text": "at last"}
-
-        console.answers["status"] = chats
-        assert (await link.request(words=["status"]))["text"] == "at last"
-
-
 @pytest.mark.parametrize("line", [b"no JSON\n", b"[1]\n", b'{"id": 1, "code": "done"'])
 async def test_a_console_that_speaks_no_protocol_is_one_that_has_gone(line: bytes) -> None:
     async with fake_console() as console, linked() as link:

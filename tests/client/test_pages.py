@@ -29,7 +29,7 @@ from tests.support import chosen, clock
 from tests.support.console import FAST
 from tests.support.plain import operated
 from tests.support.robot import making
-from tests.support.shells import guest, heard, raw, served, typed, until
+from tests.support.shells import heard, raw, served, typed
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
@@ -222,18 +222,6 @@ async def test_the_result_of_any_goal_that_was_waited_for_is_data() -> None:
         said = await typed("send_goal", "fibonacci", "order=3", "--wait", "--json")
         last = json.loads(said.out.splitlines()[-1])
         assert last["data"]["result"] == {"sequence": [0, 1, 1, 2]}
-
-
-@pytest.mark.real_time
-async def test_who_waits_no_longer_is_told_that_it_may_still_be_done() -> None:
-    made: list[Mapper] = []
-    async with served(making(made, Mapper)), guest() as shell:
-        shell.send({"id": 1, "words": ["call", "save_map"]})
-        await until(lambda: made and made[0].asked)
-        shell.send({"give_up": True})
-        result = await shell.result()
-        assert result["code"] == "cancelled"
-        assert result["text"] == "waiting no longer: the robot may still do it"
 
 
 @pytest.mark.real_time

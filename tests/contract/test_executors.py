@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import threading
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -266,53 +264,6 @@ def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_servi
     while len(ran) < 7:
         executor.spin_once(1.0)
     assert ran == ["task", "timer", "x", "y", "service", "x", "x"]
-
-
-def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
-    executor = ros.executor()
-
-    async def answer() -> int:
-        return 42
-
-    task = executor.create_task(answer())  # type: ignore[arg-type]
-    executor.spin_until_future_complete(task, 10.0)
-    assert task.result() == 42
-
-
-@pytest.fixture
-def forgotten() -> Iterator[Callable[[Any], Any]]:
-    """Hands a coroutine on that nobody will await; Python is not to complain of it."""
-    coroutines: list[Any] = []
-
-    def forget(coroutine: Any) -> Any:
-        coroutines.append(coroutine)
-        return coroutine
-
-    yield forget
-    for coroutine in coroutines:
-        coroutine.close()
-
-
-def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_not(
-    ros: Ros, forgotten: Callable[[Any], Any]
-) -> None:
-    node = ros.node()
-    heard: list[str] = []
-
-    async def hear(how: str, _: Any = None) -> None:
-        heard.append(how)
-
-    node.create_subscription(Int32, "a", functools.partial(hear, "partial"), 10)
-    node.create_subscription(Int32, "a", lambda message: forgotten(hear("lambda")), 10)
-    node.create_timer(0.01, functools.partial(hear, "timer"))
-    node.create_timer(0.01, lambda: forgotten(hear("lambda of a timer")))
-    node.create_publisher(Int32, "a", 10).publish(Int32())
-    executor = ros.executor(node)
-    while not {"partial", "timer"} <= set(heard):
-        executor.spin_once(10.0)
-    for _ in range(8):
-        executor.spin_once(0.01)
-    assert set(heard) == {"partial", "timer"}
 
 
 SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)

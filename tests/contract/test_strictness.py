@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -24,7 +23,6 @@ from rclpy.qos import (
     HistoryPolicy,
     InvalidQoSProfileException,
     QoSProfile,
-    QoSReliabilityPolicy,
 )
 from rclpy.time import Time
 from std_msgs.msg import Int32, Int32MultiArray
@@ -129,23 +127,6 @@ def test_spans_are_added_subtracted_and_multiplied() -> None:
     assert (A_SECOND * 2).nanoseconds == 2_000_000_000
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda n: n.create_publisher(Int32, "a", 1),
-        lambda n: n.create_subscription(Int32, "a", print, 1),
-        lambda n: n.create_service(Trigger, "a", print),
-        lambda n: n.create_client(Trigger, "a"),
-        lambda n: n.declare_parameter("a", 1),
-    ],
-)
-def test_a_destroyed_node_makes_nothing(make: Question, ros: Ros) -> None:
-    node = ros.node()
-    node.destroy_node()
-    with pytest.raises(InvalidHandle):
-        make(node)
-
-
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # rclpy's own
 def test_after_shutdown_nothing_is_made_and_nothing_spins(ros: Ros) -> None:
     node = ros.node()
@@ -156,15 +137,6 @@ def test_after_shutdown_nothing_is_made_and_nothing_spins(ros: Ros) -> None:
         node.create_publisher(Int32, "a", 1)
     with pytest.raises(RuntimeError):
         rclpy.executors.SingleThreadedExecutor(context=ros.context)
-
-
-def test_the_old_names_of_policies_are_known() -> None:
-    old: Any = QoSReliabilityPolicy
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        assert old.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT == QoSReliabilityPolicy.BEST_EFFORT
-    with pytest.raises(AttributeError):
-        _ = old.RMW_QOS_POLICY_RELIABILITY_NO_SUCH
 
 
 Use = Callable[[Any], Any]
@@ -236,7 +208,8 @@ def test_a_destroyed_node_cannot_be_asked(ros: Ros) -> None:
         use(node)
     node.destroy_node()
     node.destroy_node()
-    for use in OF_A_NODE:
+    makes = [make for kind, (make, _) in USES.items() if kind != "timer"]
+    for use in (*OF_A_NODE, *makes, lambda n: n.declare_parameter("a", 1)):
         with pytest.raises(InvalidHandle):
             use(node)
 

@@ -245,26 +245,6 @@ async def test_what_is_there_some_seconds_after_the_start_is_waited_for(
         assert "failed" not in person.said
 
 
-async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:
-    made: list[Hesitant] = []
-    async with operated(making(made, Hesitant, "reach")) as person:
-        person.type("send_goal reach shelf_number=3\n")
-        await until(lambda: made and made[0].seen)
-        made[0].answer()
-        await person.until("YOU console: reach 3: accepted")
-        began = seconds()
-        await person.enter("cancel", "goal CANCELLED")
-        assert seconds() - began < 0.5
-
-
-async def test_a_cancel_in_the_same_pipe_tells_the_queue_once() -> None:
-    async with operated(ros_args=LONG) as person:
-        person.type("go 12 7\ncancel\n")
-        await person.until("queue held: 7 (cancelled)")
-        assert await person.end() == 1
-    assert person.said.count(" queue: 7\n") + person.said.count(" queue: held: 7 ") == 1
-
-
 async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:
     async with operated(at_terminal=True) as person:
         await person.enter("go 12", "goal MOVING")

@@ -68,15 +68,6 @@ def test_none_of_archos_own_is_made_beside_a_programs_node_of_its_name() -> None
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good"])
 
 
-def test_a_restarted_copy_keeps_its_own_name() -> None:
-    with running(node_makers=(Good,), only=False) as session:
-        assert session.host.copy_node("/good").ok
-        assert session.host.stop_node("/good_2").ok
-        assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
-        assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
-        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
-
-
 CALLER = """
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup

@@ -486,15 +486,6 @@ def test_a_stop_of_a_node_elsewhere_with_an_ended_programs_name_is_not_forgotten
         assert robot.snapshot.is_stopped
 
 
-def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
-    text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
-    with running(written("mine.py", text), only=False) as session:
-        wait_until(lambda: "/dashboard" in states(session))
-        wait_until(lambda: states(session)["/dashboard"].file == "mine.py")
-        others = ["/battery_monitor", "/motor_controller"]
-        wait_until(lambda: [h.name for h in session.host.nodes] == others)
-
-
 class StuckMotor(Node):
     """One of ARCHO's own nodes, in a callback that does not return before `may_return`."""
 
