@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import signal
-import threading
 
 import pytest
 
@@ -21,7 +19,6 @@ from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.shells import (
     Raw,
-    Said,
     guest,
     heard,
     own_socket,
@@ -112,23 +109,6 @@ def test_a_screen_that_crashes_ends_a_wait_honestly_and_serves_the_next_program(
     assert said("wait", "arrived", "--timeout", "0").code == 4  # the goal runs on
     assert said("stop") == (0, "", "confirmed\n")
     terminal.until("STOPPED")
-
-
-def test_a_console_that_gets_a_signal_cancels_and_says_so_to_the_shell(
-    terminals: list[Terminal],
-) -> None:
-    terminal = Terminal(*SLOW)
-    terminals.append(terminal)
-    listening(terminal)
-    told: list[Said] = []
-    shell = threading.Thread(target=lambda: told.append(said("go", "12", "--wait")))
-    shell.start()
-    terminal.until("MOVING")
-    terminal.kill(signal.SIGTERM)
-    assert terminal.exit_code() == 128 + signal.SIGTERM
-    shell.join(5.0)
-    assert told[0].code in (3, 5), told
-    assert not sockets.socket_paths()
 
 
 def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:

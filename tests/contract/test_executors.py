@@ -21,7 +21,6 @@ from rclpy.task import Future
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMsg
 from std_msgs.msg import Int32
-from std_srvs.srv import Trigger
 
 from tests.support.clock import pass_time, release, seconds, stuck
 from tests.support.ros import Ros
@@ -231,39 +230,6 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
         executor.spin_once(1.0)
     executor.spin_once(0.05)
     assert ran == ["kept"]
-
-
-def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_services(
-    ros: Ros,
-) -> None:
-    node, other = ros.node("busy"), ros.node("other")
-    ran: list[str] = []
-    group = ReentrantCallbackGroup()
-
-    def heard(name: str) -> Any:
-        return lambda _: ran.append(name)
-
-    def serve(_: Any, response: Trigger.Response) -> Trigger.Response:
-        ran.append("service")
-        return response
-
-    node.create_service(Trigger, "call", serve)
-    for name in ("x", "y"):
-        node.create_subscription(Int32, name, heard(name), 10, callback_group=group)
-    node.create_timer(1.0, lambda: ran.append("timer"), callback_group=group)
-    publishers = {name: other.create_publisher(Int32, name, 10) for name in ("x", "y")}
-    client = other.create_client(Trigger, "call")
-    wait_until(lambda: all(p.get_subscription_count() == 1 for p in publishers.values()))
-    assert client.wait_for_service(10.0)
-    executor = ros.executor(node)
-    for name in "xxxy":
-        publishers[name].publish(Int32())
-    client.call_async(Trigger.Request())
-    pass_time(1.1)
-    executor.create_task(lambda: ran.append("task"))
-    while len(ran) < 7:
-        executor.spin_once(1.0)
-    assert ran == ["task", "timer", "x", "y", "service", "x", "x"]
 
 
 SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)

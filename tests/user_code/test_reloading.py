@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import random
-import sys
-import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -19,7 +16,7 @@ from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
 from tests.support.console import Console, console
 from tests.support.plain import operated, typing
-from tests.support.quiet import outside, until
+from tests.support.quiet import until
 from tests.user_code.support import running as hosting
 from tests.user_code.support import written
 
@@ -217,61 +214,3 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
             await op.until("starting: line ")
         await save(op, file, says("well after all"))
         await op.until("well after all")
-
-
-@pytest.mark.real_time
-async def test_what_hangs_in_one_of_several_threads_is_replaced(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
-    file = here / "talker.py"
-    several = (
-        "\n\ndef main():\n    import rclpy\n    from rclpy.executors import MultiThreadedExecutor\n"
-    )
-    several += "    rclpy.init()\n    rclpy.spin(Talker(), MultiThreadedExecutor())\n"
-    endless = "print('from now on')\n        import time\n        while True: time.sleep(0.01)"
-    file.write_text(says("well") + several)
-    async with running(file) as op:
-        await op.press("6", "l")
-        await save(op, file, talker(endless) + several)
-        await op.until("talker stdout")
-        await op.until("from now on")
-        await save(op, file, talker("1 / 0") + several)
-        await op.until("crashed: line 11: ZeroDivisionError: division by zero, in: 1 / 0")
-    await outside(lambda: not threads_of_talker(), "the end of its threads")
-
-
-def threads_of_talker() -> list[str]:
-    names = [thread.name for thread in threading.enumerate()]
-    return [name for name in names if name.startswith(("/talker", "ThreadPool"))]
-
-
-def running_threads() -> list[str]:
-    """Their names, without those which come as they are needed and stay."""
-    names = (thread.name for thread in threading.enumerate())
-    return sorted(name for name in names if not name.startswith(("asyncio_", "black box")))
-
-
-@pytest.mark.waits
-@pytest.mark.real_time
-async def test_many_saves_half_of_them_broken_leave_nothing_behind(here: Path) -> None:
-    choose = random.Random(5)
-    file = here / "talker.py"
-    file.write_text(says("words 0"))
-    async with running(file) as op:
-        await save(op, file, says("words 1"))
-        threads, modules = running_threads(), len(sys.modules)
-        for number in range(6):
-            good = says(f"words {number}")
-            broken = (
-                "def x(:\n",
-                good.replace('"gain", 1.0', "nothing"),
-                talker("1 / 0"),
-                "raise SystemExit('no map')\n",
-            )
-            await save(op, file, good if number % 2 else choose.choice(broken))
-        await save(op, file, says("last words"))
-        await op.until("last words")
-        assert running_threads() == threads
-        assert chosen.ENGINE == "ros2" or len(sys.modules) <= modules + 3
-        assert op.session.host.names() == ["/talker"]
