@@ -165,13 +165,6 @@ def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     assert capsys.readouterr().err == f"archo-tui: {file}:{said}\n"
 
 
-@pytest.mark.night
-def test_without_docstrings_the_help_texts_are_there() -> None:
-    command = [sys.executable, "-OO", "-m", "archo_tui", "keys"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
-    assert "everywhere: STOP: software stop" in done.stdout
-
-
 def test_nothing_that_is_printed_reaches_the_terminal_as_a_sequence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -251,17 +251,6 @@ def test_what_every_callback_before_a_change_returns_is_set(ros: Ros) -> None:
     assert "cannot be empty" in other.set_parameters([Parameter("a", value=2)])[0].reason
 
 
-def test_parameters_are_listed_by_prefix_and_depth(ros: Ros) -> None:
-    node = ros.node(start_parameter_services=False)
-    for name in ("x", "a.b", "a.b.c", "a.b.c.d"):
-        node.declare_parameter(name, 1)
-    assert node.list_parameters(["a"], 1).names == ["a.b"]
-    assert node.list_parameters(["a", "a.b"], 1).names == ["a.b", "a.b.c"]
-    assert "x" in node.list_parameters([], 1).names
-    assert "a.b" not in node.list_parameters([], 1).names
-    assert node.get_parameter_type("x") == 2
-
-
 def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> None:
     node = ros.node()
     node.declare_parameter("a", 1)

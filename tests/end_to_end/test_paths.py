@@ -122,19 +122,6 @@ def memory(pid: int) -> int:
         return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
 
 
-def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
-    tmux.start(ARCHO)
-    tmux.until("max_speed")
-    for step in range(60):
-        tmux.resize(20 + 37 * step % 180, 5 + 17 * step % 50)
-    tmux.resize(120, 36)
-    tmux.until("max_speed")
-    tmux.type("g", "7", "Enter")
-    tmux.until("Arrived at shelf 7")
-    tmux.type("C-q")
-    tmux.until("ENDED 0")
-
-
 ROOT = Path(__file__).parent.parent.parent
 BARE = Path(sys.base_prefix) / "bin" / "python3"  # outside of the environment of the tests
 
@@ -166,26 +153,3 @@ def test_every_python_runs_it_that_is_new_enough(pyz: Path) -> None:
         done = subprocess.run(command, input="go 12\n", capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, ""), python
         assert "Arrived at shelf 12" in done.stdout
-
-
-def test_it_begins_again_after_an_interface_was_saved(
-    pyz: Path, tmp_path: Path, tmux: Tmux
-) -> None:
-    package = tmp_path / "src" / "mine"
-    (package / "msg").mkdir(parents=True)
-    (package / "package.xml").write_text("<package><name>mine</name></package>")
-    (package / "msg" / "Said.msg").write_text("int32 first\n")
-    node = tmp_path / "teller.py"
-    node.write_text(
-        "from mine.msg import Said\nfrom rclpy.node import Node\n\n"
-        "class Teller(Node):\n    def __init__(self):\n        super().__init__('teller')\n"
-        "        name = [*Said.get_fields_and_field_types()][0]\n"
-        "        self.get_logger().warning(f'{name} is it')\n"
-    )
-    words = f"{shlex.quote(str(pyz))} --interfaces src --node teller.py"
-    tmux.start(f"cd {tmp_path}; env SHIV_ROOT={os.environ['SHIV_ROOT']} {BARE} {words}")
-    tmux.until("first is it")
-    (package / "msg" / "Said.msg").write_text("int32 second\n")
-    tmux.until("second is it")
-    tmux.type("C-q")
-    tmux.until("ENDED 0")
