@@ -21,7 +21,7 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
 from archo_tui.base.errors import ArchoError
-from archo_tui.client import connection, sockets
+from archo_tui.client import connection
 from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
@@ -275,12 +275,6 @@ for line in sys.stdin:
 """
 
 
-@pytest.fixture
-def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Processes look nowhere else."""
-    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
-
-
 @contextmanager
 def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, Any]]:
     """A console in a process of its own, and beside it Python that runs the code."""
@@ -297,7 +291,6 @@ def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, 
 
 
 @pytest.mark.real_time
-@pytest.mark.usefixtures("one_folder")
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
     with beside_console(REPL, fresh=True) as (script, python):
 
@@ -353,7 +346,6 @@ with archo_tui.connect() as robot:
 
 
 @pytest.mark.real_time
-@pytest.mark.usefixtures("one_folder")
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
     with beside_console(FORKS) as (script, python):
         said = {python.stdout.readline(), python.stdout.readline()}

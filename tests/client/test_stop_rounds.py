@@ -9,10 +9,9 @@ import os
 import random
 import re
 import signal
-import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -226,9 +225,8 @@ class Rounds:
 
 @pytest.mark.parametrize("screen", corners([False], [True]), ids=["plain", "screen"])
 def test_behind_a_stop_nothing_moves_until_a_later_release(
-    screen: bool, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    screen: bool, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
-    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
     far = request.config.getoption("--night")
     seed, rounds = (random.randrange(10**6), 1000) if far else (1, 8)
     walk = Rounds(tmp_path, seed, screen=screen)
@@ -252,14 +250,6 @@ OTHERS = [
     *("stopped", "stop2", "nonstop", "don't stop", "go stop", "stop_it", "st op", ""),
     *("help stop", "stopé"),
 ]
-
-
-@pytest.fixture(autouse=True)
-def _sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A folder with a short name, which asyncio takes."""
-    with tempfile.TemporaryDirectory() as folder:
-        monkeypatch.setenv(sockets.FOLDER_VARIABLE, folder)
-        yield
 
 
 def mouths(text: str) -> dict[str, bool]:
