@@ -74,8 +74,7 @@ _POSIX = {
     *("test_stop_is_final", "test_terminal_keys", "test_walk_with_stops"),
     *("test_shell", "test_hostile", "test_beside_a_screen", "test_pages", "test_python"),
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
-    *("test_tools", "test_with_a_console"),
-    *("test_which_console", "test_stop_rounds", "test_in_the_console"),
+    *("test_tools", "test_which_console", "test_stop_rounds", "test_in_the_console"),
 }
 
 

@@ -261,13 +261,10 @@ NOBODY = "no console runs here"
             "ARCHO_TUI_SOCKETS is set: only /",
         ),
         ("release", 3, f"archo-tui: {NOBODY}"),
-        ("reset", 3, f"archo-tui: {NOBODY}"),
         ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
         ("relaese", 2, f"archo-tui: no command 'relaese' (nearest: release), and {NOBODY}"),
-        ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
         ("go 12 --line", 2, "archo-tui: go has no --line: status has it"),
         ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
-        ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
         ("stop", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
         ("stop;", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
     ],

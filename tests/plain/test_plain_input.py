@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 import re
 import signal
@@ -42,21 +41,12 @@ def reading(stops: Stops) -> Iterator[tuple[Input, int]]:
 
 async def _read(text: bytes) -> tuple[int, list[TypedLine]]:
     """How many STOPs are in it, and the other lines."""
-    stops = Stops()
-    read, write = os.pipe()
-    typed = Input(read, stops, Clock(), lambda: None, lambda _: None)
-    typed.start()
-    view = memoryview(text)
-    while view:
-        view = view[os.write(write, view) :]
-    os.close(write)
-    found = []
-    await until(lambda: typed.has_ended)
+    stops, found, view = Stops(), [], memoryview(text)
+    with reading(stops) as (typed, write):
+        while view:
+            view = view[os.write(write, view) :]
     while line := typed.take():
         found.append(line)
-    while typed.is_reading:
-        await asyncio.sleep(clock.LOOK)
-    os.close(read)
     return stops.count, found
 
 

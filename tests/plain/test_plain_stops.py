@@ -78,16 +78,6 @@ async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
     assert "ARRIVED, Arrived at shelf 7" in person.said
 
 
-async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
-    async with operated(Cart, robot=CART) as person:
-        await person.enter("go 12 7", "drives to 12")
-        await person.enter("stop", "queue held: 7")
-        assert await person.end("continue\nstop\n") == 1
-    assert f"failed: continue: {VOID}" in person.said
-    assert "not driven: 7" in person.said
-    assert "drives to 7" not in person.said
-
-
 class Slow(Willing):
     """Answers a STOP when the test says so."""
 
