@@ -1,4 +1,4 @@
-"""Nodes of the user's own beside the robot's: each fails alone, may spin in a callback, is shown."""
+"""Nodes of the user's own beside the robot's: each fails alone, and may spin in a callback."""
 
 from __future__ import annotations
 
