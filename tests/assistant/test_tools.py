@@ -461,18 +461,6 @@ async def test_closed_in_the_middle_it_ends_without_a_word() -> None:
         await until(lambda: console.closed == 1)
 
 
-async def test_a_client_that_no_longer_reads_ends_it() -> None:
-    async with fake_console() as console:
-        ours = await waiting(console)
-        transport = ours._transport  # type: ignore[attr-defined]
-        transport.get_pipe_transport(1).close()
-        assert ours.stdin is not None
-        ours.stdin.write(WAIT.replace(b'"wait"', b'"no_such"').replace(b'"id": 1', b'"id": 2'))
-        ours.stdin.close()
-        await asyncio.wait_for(ours.wait(), DEADLINE)
-        await until(lambda: console.closed == 1)
-
-
 async def test_a_console_that_was_restarted_is_found_again_and_that_is_said() -> None:
     async with assistant() as model:
         async with fake_console(7) as first:

@@ -21,8 +21,6 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
 from archo_tui.base.errors import ArchoError
-from archo_tui.client import connection
-from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
@@ -368,34 +366,6 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
 
 
 # consoles that hang or go
-
-
-@pytest.mark.real_time
-async def test_of_a_console_that_is_given_up_the_robot_may_move(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked: list[float] = []
-    reach = connection.reach
-
-    def reached(path: str, within: float = 1.0) -> Any:
-        asked.append(within)
-        if len(asked) > 2:
-            raise Unreached("the console of pid 7 does not answer: is it suspended?")
-        return reach(path, DEADLINE)
-
-    async with driving() as (person, robot, goal):
-        monkeypatch.setattr(connection, "_SILENCE", 1.5)  # The goal reports more often.
-        for module in (connection, robots):
-            monkeypatch.setattr(module, "reach", reached)
-        with pytest.raises(Unreached, match=r"the robot may still be moving: .* is it suspended"):
-            await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
-        assert asked == [1.0, 1.5, 1.5]  # while it answers, it is waited for
-        shell = await typed("wait", "battery", "100")
-        assert shell.code == 3
-        assert "the robot may still be moving: the console of pid 7 does not answer" in shell.err
-        assert not goal.done()  # it reports
-        await asyncio.to_thread(goal.cancel)
-        await heard(person, "CANCELLED")
 
 
 @pytest.mark.real_time

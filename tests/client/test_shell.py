@@ -299,15 +299,6 @@ def test_without_a_console_every_verb_has_its_help() -> None:
         ) or verb.id == "stop"
 
 
-async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
-    async with served(ros_args=FAST):
-        for words in (["wait", "--help"], ["wait", "idle", "--help"]):
-            told, as_json = await typed(*words), await typed(*words, "--json")
-            assert (told.code, as_json.code) == (0, 0)
-            assert told.out.startswith("wait STATE [N]: Wait for a state of the robot: idle, ")
-            assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
-
-
 async def test_a_question_ends_with_a_no_with_its_time_and_with_whoever_was_asked() -> None:
     async with served(ros_args=FAST), guest() as client:
         await typed("stop")

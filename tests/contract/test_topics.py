@@ -125,29 +125,17 @@ def test_both_ends_are_told_which_policy_a_subscription_asks_too_much_of(ros: Ro
         ("", {"deadline": SECOND}, {"deadline": TWO_SECONDS}),
         ("", {"liveliness": manual, "liveliness_lease_duration": SECOND}, {"liveliness": manual}),
     ]
+
+    def refused(told: dict[str, str], topic: str, event: Any) -> None:
+        told[topic] = QoSPolicyKind(event.last_policy_kind).name
+
     for number, (policy, offered, requested) in enumerate(cases):
         topic = f"topic_{number}"
-
-        def refused(event: Any, told: dict[str, str], topic: str) -> None:
-            told[topic] = QoSPolicyKind(event.last_policy_kind).name
-
-        publisher = node.create_publisher(
-            String,
-            topic,
-            QoSProfile(depth=1, **offered),
-            event_callbacks=PublisherEventCallbacks(
-                incompatible_qos=partial(refused, told=publishers_told, topic=topic)
-            ),
-        )
-        node.create_subscription(
-            String,
-            topic,
-            print,
-            QoSProfile(depth=1, **requested),
-            event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=partial(refused, told=told, topic=topic)
-            ),
-        )
+        offers, asks = QoSProfile(depth=1, **offered), QoSProfile(depth=1, **requested)
+        ours = PublisherEventCallbacks(incompatible_qos=partial(refused, publishers_told, topic))
+        theirs = SubscriptionEventCallbacks(incompatible_qos=partial(refused, told, topic))
+        publisher = node.create_publisher(String, topic, offers, event_callbacks=ours)
+        node.create_subscription(String, topic, print, asks, event_callbacks=theirs)
         if not policy:
             wait_until(lambda p=publisher: p.get_subscription_count() == 1)  # type: ignore[misc]
     ros.spin(node)

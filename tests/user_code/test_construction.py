@@ -122,23 +122,6 @@ def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
         wait_until(lambda: life(session, "/asker") is Life.STARTING)
 
 
-SPINS_ITSELF = LAMP.replace(
-    "\n    def blink", "        import rclpy\n        rclpy.spin(self)\n\n    def blink"
-)
-
-
-def test_what_one_serves_that_spins_in_its_constructor_is_known_and_goes_with_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    with hosting(written("lamp.py", SPINS_ITSELF), written("asker.py", ASKER)) as session:
-        wait_until(lambda: "answer: on" in texts(session))  # by the lamp
-        wait_until(lambda: states(session)["/lamp"].serves == ("/blink",))
-        gone: list[str] = []
-        monkeypatch.setattr(session.host, "_on_end", gone.extend)
-        assert session.host.stop_node("/lamp").ok
-        assert gone == ["/blink"]
-
-
 def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
     fails = MOTOR.replace("\n    def halt", "        1 / 0\n\n    def halt")
     with hosting(written("motor.py", fails)) as session:

@@ -12,7 +12,6 @@ import pytest
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session.session import Session
 from tests.support import chosen, warm
-from tests.support.night import corners
 from tests.support.plain import typing
 from tests.support.waiting import wait_until
 from tests.user_code.support import life, running, states, texts, written
@@ -86,11 +85,6 @@ async def main():
 if __name__ == "__main__":
     asyncio.run(main())
 """,
-    "a coroutine function without a block": """
-async def main():
-    rclpy.init()
-    rclpy.spin(Talker("talker"))
-""",
     "a script": """
 rclpy.init()
 rclpy.spin(Talker("talker"))
@@ -98,9 +92,7 @@ rclpy.spin(Talker("talker"))
 }
 
 
-@pytest.mark.parametrize(
-    "made", corners(["an App", "asyncio", "a script"], [name for name in MADE if " " in name])
-)
+@pytest.mark.parametrize("made", MADE)
 def test_what_is_made_by(made: str, here: Path) -> None:
     file = written("program.py", HEAD + MADE[made])
     with running(file) as session:
