@@ -9,6 +9,7 @@ import socket
 import threading
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -26,16 +27,7 @@ from archo_tui.console import socket as server
 from tests.assistant.support import FakeConsole, fake_console, listening
 from tests.support.night import corners
 from tests.support.script import SLOW, Script
-from tests.support.shells import (
-    Graph,
-    client,
-    heard,
-    reached,
-    said,
-    served,
-    typed,
-    until,
-)
+from tests.support.shells import Graph, client, heard, reached, said, served, typed, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -65,12 +57,8 @@ async def answering(namespace: str, pid: int = 7, **more: Any) -> AsyncIterator[
 # mouths: each ends with an exit code, or as an assistant's tool does
 
 
-def by_shell() -> int:
-    return said("status").code
-
-
-def stop_by_shell() -> int:
-    return said("stop").code
+def by_shell(verb: str = "status") -> int:
+    return said(verb).code
 
 
 def by_python() -> int:
@@ -85,7 +73,7 @@ def by_consoles() -> int:
     return print_consoles(as_json=False)
 
 
-def asked_of(tool: str) -> int:
+def by_assistant(tool: str = "status") -> int:
     async def ask() -> bool:
         link = ConsoleConnection("")
         try:
@@ -96,16 +84,9 @@ def asked_of(tool: str) -> int:
     return 3 if asyncio.run(ask()) else 0
 
 
-def by_assistant() -> int:
-    return asked_of("status")
-
-
-def stop_by_assistant() -> int:
-    return asked_of("stop")
-
-
+stop_by_shell = partial(by_shell, "stop")
 VERBS = (by_shell, by_python, by_assistant)
-STOPS = (stop_by_shell, stop_by_assistant)
+STOPS = (stop_by_shell, partial(by_assistant, "stop"))
 MOUTHS = (*VERBS, *STOPS, by_consoles)
 
 
@@ -143,7 +124,7 @@ async def test_a_console_is_found_in_every_environment_by_every_mouth(
         monkeypatch.chdir(Path(odd) / "elsewhere")
         chosen(monkeypatch, Path(odd), WHERE[where][1])
         for mouth in MOUTHS:
-            assert await asyncio.to_thread(mouth) == 0, (where, mouth.__name__)
+            assert await asyncio.to_thread(mouth) == 0, (where, mouth)
         assert console.words() == [["status"], ["status"], ["stop"], ["stop"]]
         await entered.__aexit__(None, None, None)
         assert sockets.socket_paths() == []
@@ -187,7 +168,7 @@ async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
     killed.close()
     for mouths, code in zip((VERBS, STOPS, (by_consoles,)), codes, strict=True):
         for mouth in mouths:
-            assert await asyncio.to_thread(mouth) == code, (state, mouth.__name__)
+            assert await asyncio.to_thread(mouth) == code, (state, mouth)
     reached = ["status", "status"] if codes[0] == 0 else []
     assert not [path for path in sockets.socket_paths() if "gone" in path]
     for console in running:

@@ -10,12 +10,7 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import Log
-from rclpy.action import (
-    ActionServer,
-    CancelResponse,
-    GoalResponse,
-    get_action_names_and_types,
-)
+from rclpy.action import ActionServer, CancelResponse, GoalResponse, get_action_names_and_types
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future

@@ -10,11 +10,7 @@ import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.executors import (
-    ExternalShutdownException,
-    MultiThreadedExecutor,
-    SingleThreadedExecutor,
-)
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -233,7 +229,6 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
 
 
 SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)
-REAL: Parameter[bool] = Parameter("use_sim_time", value=False)
 
 
 class Simulation:

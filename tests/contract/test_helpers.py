@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +17,6 @@ from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.logging import LoggingSeverity
-from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
@@ -99,16 +97,6 @@ def test_parameters_are_found_by_their_prefix(ros: Ros) -> None:
     node.declare_parameter("armature", 3.0)
     found = node.get_parameters_by_prefix("arm")
     assert {name: p.value for name, p in found.items()} == {"left.speed": 1.0, "right": 2.0}
-
-
-def test_a_parameter_of_a_name_only_takes_any_type(ros: Ros) -> None:
-    node = ros.node()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rclpy says that this is deprecated.
-        node.declare_parameter("any")
-    for value in (1, "two"):
-        (result,) = node.set_parameters([Parameter("any", value=value)])
-        assert result.successful
 
 
 def test_init_returns_what_ends_it_again() -> None:

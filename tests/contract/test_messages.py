@@ -11,13 +11,7 @@ import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
 from builtin_interfaces.msg import Time
-from rcl_interfaces.msg import (
-    Log,
-    Parameter,
-    ParameterDescriptor,
-    ParameterEvent,
-    ParameterValue,
-)
+from rcl_interfaces.msg import Log, Parameter, ParameterDescriptor, ParameterEvent, ParameterValue
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import (
     Bool,

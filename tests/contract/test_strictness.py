@@ -13,17 +13,10 @@ from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
 from rclpy.clock import Clock
 from rclpy.duration import Duration
-from rclpy.exceptions import (
-    InvalidServiceNameException,
-    InvalidTopicNameException,
-)
+from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import (
-    HistoryPolicy,
-    InvalidQoSProfileException,
-    QoSProfile,
-)
+from rclpy.qos import HistoryPolicy, InvalidQoSProfileException, QoSProfile
 from rclpy.time import Time
 from std_msgs.msg import Int32, Int32MultiArray
 from std_srvs.srv import Trigger

@@ -13,7 +13,7 @@ from textual.widgets import Static
 from archo_tui.robot.state.events import Event
 from archo_tui.session.session import Session
 from archo_tui.user_code.hosted import HostedThread
-from tests.support import chosen, clock
+from tests.support import chosen
 from tests.support.console import Console, console
 from tests.support.plain import operated, typing
 from tests.support.quiet import until
@@ -157,36 +157,8 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
                 await person.until(f"talker gain {value}")
 
 
-@pytest.mark.waits
-async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
-    here: Path,
-) -> None:
-    # The node of a file, and one of the robot's own.
-    with hosting(written("talker.py", says("first words")), only=False) as session:
-        async with typing(session.station) as person:
-            await until(lambda: {"gain", "max_speed"} <= parameter_names(session))
-            person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
-            await person.until("max_speed is 0.3")
-            await pass_seconds(9.0)
-            await asyncio.to_thread(session._watch.watched[0][1])
-            await person.until("set talker gain 2.5 again: it was restarted\n")
-            person.type("halt motor_controller\nstart motor_controller\n")
-            await person.until("set motor_controller max_speed 0.3 again: it was restarted\n")
-            await pass_seconds(6.0)
-            await until(lambda: not session.robot.snapshot.unreported)
-            person.type("get talker gain\nget motor_controller max_speed\n")
-            await person.until("motor_controller max_speed is 0.3")
-            assert "\ntalker gain is 2.5, " in person.said
-            assert "another client" not in person.said
-
-
 def parameter_names(session: Session) -> set[str]:
     return {parameter.name for parameter in session.robot.snapshot.parameters}
-
-
-async def pass_seconds(seconds: float) -> None:
-    later = clock.seconds() + seconds
-    await until(lambda: clock.seconds() > later)
 
 
 @pytest.mark.real_time
