@@ -469,9 +469,7 @@ WORDS = [
 VALUES: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
 
 
-async def test_without_a_yes_nothing_moves_whatever_is_said(
-    request: pytest.FixtureRequest,
-) -> None:
+async def test_without_a_yes_nothing_moves_whatever_is_said(request: pytest.FixtureRequest) -> None:
     async with at_a_terminal(*FAST) as (person, assistant):
         await until(lambda: person.station.robot.snapshot.parameter("shelf_count"))
         for wanted, why in MISUSED:

@@ -134,9 +134,7 @@ async def test_more_than_enough_clients_may_stop_and_nothing_else() -> None:
 
 
 @pytest.mark.parametrize("count", corners([200], [10_000]))
-async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
-    count: int,
-) -> None:
+async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(count: int) -> None:
     async with served(ros_args=FAST) as person:
         held: list[socket.socket] = []
         files = len(os.listdir("/proc/self/fd"))

@@ -252,16 +252,3 @@ async def test_a_question_closes_with_its_goal_and_the_line_read_meanwhile_is_ca
         await heard(person, "motor_controller up")
         assert await person.end() == 1
         assert "reset encoder" not in person.said
-
-
-async def test_a_question_about_a_goal_closes_on_the_screen_once_that_has_ended() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("MOVING")
-        await op.press("r")
-        await op.until("Reset encoder now?")
-        await op.session.station.goals.cancel()
-        await op.until(f"Reset encoder: {ENDED}")
-        await op.press("y")  # For the question: it answers nothing.
-        assert "Reset encoder now?" not in op.text
-        assert "reset" not in str(outcomes(op.session.station))

@@ -7,7 +7,7 @@ import json
 import signal
 import socket
 import threading
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -85,8 +85,9 @@ def by_assistant(tool: str = "status") -> int:
 
 
 stop_by_shell = partial(by_shell, "stop")
-VERBS = (by_shell, by_python, by_assistant)
-STOPS = (stop_by_shell, partial(by_assistant, "stop"))
+Mouth = Callable[[], int]
+VERBS: tuple[Mouth, ...] = (by_shell, by_python, by_assistant)
+STOPS: tuple[Mouth, ...] = (stop_by_shell, partial(by_assistant, "stop"))
 MOUTHS = (*VERBS, *STOPS, by_consoles)
 
 

@@ -121,9 +121,7 @@ def test_the_traceback_is_there_on_request_and_has_the_persons_lines_only(
     assert report.splitlines()[-1] == "ZeroDivisionError: division by zero"
 
 
-def test_an_include_without_a_value_for_its_argument_names_the_include(
-    launcher: Launcher,
-) -> None:
+def test_an_include_without_a_value_for_its_argument_names_the_include(launcher: Launcher) -> None:
     launcher.write("<launch>\n<arg name='robot'/>\n</launch>", "inner.launch.xml")
     include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.xml'"
     with pytest.raises(LaunchFileError) as raised:
@@ -164,22 +162,14 @@ def test_words_that_are_no_arguments_are_refused() -> None:
 def test_arguments_are_listed_without_performing_anything(
     launcher: Launcher, workspace: Workspace
 ) -> None:
-    path = launcher.write(
+    path = launcher.describing(
         """
-        from launch import LaunchDescription
-        from launch.actions import *
-        from launch.conditions import IfCondition
-        from launch.substitutions import LaunchConfiguration
-
-        def generate_launch_description():
-            return LaunchDescription([
-                DeclareLaunchArgument('robot', description='its name'),
-                DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
-                DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
-                GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
-                TimerAction(period=1.0, actions=[DeclareLaunchArgument('late')]),
-                LogInfo(msg=LaunchConfiguration('nowhere')),
-            ])
+        DeclareLaunchArgument('robot', description='its name'),
+        DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
+        DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
+        GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
+        TimerAction(period=1.0, actions=[DeclareLaunchArgument('late')]),
+        LogInfo(msg=LaunchConfiguration('nowhere')),
         """
     )
     with in_this_process():

@@ -203,9 +203,7 @@ def test_a_launch_file_starts_what_it_starts_on_ros_2(launcher: Launcher, case: 
     assert plan.notes == []
 
 
-def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(
-    launcher: Launcher,
-) -> None:
+def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(launcher: Launcher) -> None:
     plan = launcher.plan(launcher.write(ROBOTS))
     assert (launcher.prefix / "parameters" / "1_0.yaml").read_text(encoding="utf-8") == (
         "/beta/talker:\n  ros__parameters:\n    id: 1\n    frame: beta/base\n    pid.p: 1.0\n"

@@ -109,9 +109,7 @@ def write_package(folder: Path, text: str) -> Path:
     return folder
 
 
-def test_what_is_wrong_with_a_package_xml_is_one_line_and_others_are_found(
-    tmp_path: Path,
-) -> None:
+def test_what_is_wrong_with_a_package_xml_is_one_line_and_others_are_found(tmp_path: Path) -> None:
     write_package(tmp_path / "a", "<package><name>one</name></package>")
     write_package(tmp_path / "b", "<package>\n<name>")
     write_package(tmp_path / "c", "<package/>")

@@ -657,9 +657,8 @@ threading.Thread(target=loop, name="a loop", daemon=True).start()
     assert capsys.readouterr().err == ""
 
 
-def sleeper(name: str) -> Path:
-    """A program that goes on whatever is raised in it, until there is a file called `end`."""
-    sleeps = """
+# It goes on whatever is raised in it, until there is a file called `end`.
+SLEEPS = """
 while not Path("end").exists():
     try:
         Path("said.txt").write_text("asleep")
@@ -668,13 +667,12 @@ while not Path("end").exists():
         pass
 raise SystemExit
 """
-    return spinning(name, sleeps)
 
 
 def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosted_program, "START_TIME", 0.2)
     monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.3, 0.5))
-    with running(sleeper("sleeper")) as session:
+    with running(spinning("sleeper", SLEEPS)) as session:
         wait_until(lambda: said() == ["asleep"])  # else an interrupt before the loop ends it
         outcome = session.host.stop_node("/sleeper")
         if chosen.ENGINE == "embedded":  # A thread cannot be ended while it sleeps.

@@ -109,9 +109,7 @@ def event_with(op: Console, text: str) -> Event | None:
 
 
 @pytest.mark.waits
-async def test_info_of_ones_own_nodes_is_seen_without_asking(
-    here: Path,
-) -> None:
+async def test_info_of_ones_own_nodes_is_seen_without_asking(here: Path) -> None:
     file = here / "talker.py"
     own = "self.get_logger().info('own words'); self.get_logger().get_child('arm').info('raised')"
     file.write_text(talker(own))
@@ -136,9 +134,7 @@ async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
 
 
 @pytest.mark.skipif("chosen.ENGINE == 'ros2'", reason="there a node comes back seconds later")
-async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
-    here: Path,
-) -> None:
+async def test_what_was_set_is_set_again_and_what_was_undone_is_not(here: Path) -> None:
     file = written("talker.py", says("first words"))
     with hosting(file) as session:
         async with typing(session.station) as person:

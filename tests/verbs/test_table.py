@@ -32,7 +32,7 @@ from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.nodes import DuplicateNode
 from archo_tui.verbs.places import pose_goal
-from archo_tui.verbs.verb import NotPossible, named, parse, prepare_when_found
+from archo_tui.verbs.verb import NotPossible, parse, prepare_when_found
 from tests.support import clock
 from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.clock import NOW
@@ -281,11 +281,6 @@ def test_yes_answers_from_any_place(words: str) -> None:
     assert values("save", *words.split()) == ({"file": "a.yaml"}, True)
 
 
-def test_the_verb_that_was_meant_is_named() -> None:
-    with pytest.raises(ValueError, match=r"no command 'relaese' \(nearest: release\)"):
-        named(VERBS, "relaese")
-
-
 def test_a_goal_of_several_fields_is_typed_by_label_or_path() -> None:
     words = ["X=1.5", "speeds=[1, 2]", "careful=true", "note=a b"]
     meant = {"target.x": 1.5, "speeds": [1, 2], "careful": True, "note": "a b"}
@@ -420,9 +415,7 @@ async def test_what_is_saved_under_a_name_is_there_for_the_next_console(file: Pa
         await person.enter("go mine", "Arrived at shelf 5")  # The file's, changed meanwhile.
 
 
-async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
-    file: Path,
-) -> None:
+async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(file: Path) -> None:
     config_file("places.yaml").unlink(missing_ok=True)
     async with operated(robot=file, ros_args=LONG) as person:
         station = person.station
