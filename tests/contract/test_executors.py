@@ -10,7 +10,14 @@ import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.executors import (
+    Executor,
+    ExternalShutdownException,
+    MultiThreadedExecutor,
+    ShutdownException,
+    SingleThreadedExecutor,
+    TimeoutException,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -226,6 +233,39 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
         executor.spin_once(1.0)
     executor.spin_once(0.05)
     assert ran == ["kept"]
+
+
+class Alternating(Executor):
+    """An executor of one's own: notes for which node it was asked, and does the work."""
+
+    def __init__(self, *, context: Any) -> None:
+        super().__init__(context=context)
+        self.order: list[str] = []
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        task, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
+        self.order.append("a task" if node is None else node.get_name())
+        assert entity is None or self.can_execute(entity) in (True, False)
+        assert node is None or entity in list(node.subscriptions)
+        task()
+
+
+def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
+    node = ros.node()
+    executor = Alternating(context=ros.context)
+    executor.add_node(node)
+    heard: list[int] = []
+    node.create_subscription(Int32, "a", lambda m: heard.append(m.data), 10)
+    node.create_publisher(Int32, "a", 10).publish(Int32(data=7))
+    executor.create_task(lambda: None)
+    while heard != [7]:
+        executor.spin_once(10.0)
+    assert set(executor.order) == {"a task", "node"}
+    with pytest.raises(TimeoutException):
+        executor.wait_for_ready_callbacks(timeout_sec=0.01)
+    executor.shutdown()
+    with pytest.raises(ShutdownException):
+        executor.wait_for_ready_callbacks()
 
 
 SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)

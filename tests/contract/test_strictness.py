@@ -219,6 +219,17 @@ def test_a_shutdown_destroys_nodes_and_all_that_they_made(ros: Ros) -> None:
     node.destroy_node()
 
 
+def test_a_nodes_endpoints_are_its_own_without_those_of_its_actions(ros: Ros) -> None:
+    node = ros.node()
+    kinds = ("publishers", "subscriptions", "services", "clients")
+    before = [len(list(getattr(node, kind))) for kind in kinds]
+    ActionServer(node, MoveToShelf, "move", print)
+    ActionClient(node, MoveToShelf, "move")
+    node.create_publisher(Int32, "a", 1)
+    after = [len(list(getattr(node, kind))) for kind in kinds]
+    assert after == [before[0] + 1, *before[1:]]
+
+
 def test_a_destroyed_action_client_neither_sends_nor_waits(ros: Ros) -> None:
     client = ActionClient(ros.node(), MoveToShelf, "move")
     client.destroy()
