@@ -168,12 +168,14 @@ def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:
     node.get_logger().debug("not shown")
     node.get_logger().info("shown")
     node.get_logger().get_child("part").warning("too")
+    node.get_logger().info(None)
 
     def mine() -> list[Log]:
         return [line for line in [*lines] if line.name.startswith("ns.talker")]
 
-    wait_until(lambda: len(mine()) == 2)
-    first, second = mine()
+    wait_until(lambda: len(mine()) == 3)
+    first, second, none = mine()
+    assert none.msg in ("None", "(null)")  # As C writes it.
     assert (first.name, first.level, first.msg) == ("ns.talker", 20, "shown")
     assert (second.name, second.level, second.msg) == ("ns.talker.part", 30, "too")
     assert first.function == "test_log_lines_are_published_with_level_name_and_place"

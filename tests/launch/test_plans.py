@@ -269,7 +269,6 @@ def test_timers_start_in_the_order_of_their_times(launcher: Launcher) -> None:
     assert starts == [("listener", 0.5), ("talker", 2.0), ("talker", 3.0)]
 
 
-# Each was compared with launch 3.7 and launch_ros.
 # Each was compared with launch 3.7; n(...) is a talker of that name.
 SMALL = {
     # Scopes.

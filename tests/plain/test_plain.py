@@ -158,16 +158,3 @@ def test_a_user_without_a_home_is_no_traceback(word: str) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-
-
-def test_a_line_feed_and_none_in_the_log_are_printed_as_on_ros_2(tmp_path: Path) -> None:
-    (tmp_path / "server.py").write_text(
-        "from rclpy.node import Node\n\n\nclass Server(Node):\n"
-        "    def __init__(self):\n        super().__init__('server')\n"
-        r"        self.get_logger().info('Incoming request\na: 2 b: 3')"
-        "\n        self.get_logger().info(None)\n"
-    )
-    done = shell(f"archo --plain --only --node {tmp_path}/server.py </dev/null")
-    said = "INFO server: Incoming request\n         a: 2 b: 3\n"
-    assert done.stdout.decode()[9:].startswith(said), done
-    assert "INFO server: None\n" in done.stdout.decode(), done

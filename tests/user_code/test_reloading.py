@@ -125,11 +125,11 @@ async def test_info_of_ones_own_nodes_is_seen_without_asking(here: Path) -> None
         await op.until(lambda: "own words" not in op.text)
 
 
-async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
+async def test_info_of_ones_own_nodes_is_told_by_plain_with_its_line_feeds(here: Path) -> None:
     file = here / "talker.py"
-    file.write_text(talker("self.get_logger().info('own words')"))
+    file.write_text(talker(r"self.get_logger().info('own words\na: 2 b: 3')"))
     async with operated(node_files=[file]) as typed:
-        await typed.until("INFO talker: own words")
+        await typed.until("INFO talker: own words\n         a: 2 b: 3\n")
         assert "INFO dashboard" not in typed.said
 
 
