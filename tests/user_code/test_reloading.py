@@ -129,7 +129,7 @@ async def test_info_of_ones_own_nodes_is_told_by_plain_with_its_line_feeds(here:
     file = here / "talker.py"
     file.write_text(talker(r"self.get_logger().info('own words\na: 2 b: 3')"))
     async with operated(node_files=[file]) as typed:
-        await typed.until("INFO talker: own words\n         a: 2 b: 3\n")
+        await typed.until("INFO talker: own words\n         a: 2 b: 3")
         assert "INFO dashboard" not in typed.said
 
 
