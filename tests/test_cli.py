@@ -190,11 +190,9 @@ NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
     [
         ("--no-such", "unrecognized arguments: --no-such (see archo-tui --help)"),
         ("--nod x.py", "unrecognized arguments: --nod, nearest: --node (see archo-tui --help)"),
-        ("--engine", "argument --engine: expected one argument (see archo-tui --help)"),
         ("chek x.py", f"no command 'chek' (nearest: check), and {NOBODY}"),
         ("--only battery.py", "--only is for the console, not for battery.py"),
         ("check", "the following arguments are required: FILE (see archo-tui check --help)"),
-        ("journal x", "unrecognized arguments: x (see archo-tui journal --help)"),
         (
             "keys --rob x",
             "unrecognized arguments: --rob x, nearest: --robot (see archo-tui keys --help)",

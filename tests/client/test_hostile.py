@@ -201,17 +201,6 @@ async def test_a_result_and_wait_arrived_tell_of_the_goal_of_the_same_program() 
         assert (await one.result())["text"] == "it had ended"
 
 
-async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() -> None:
-    async with served(ros_args=LONG) as person:
-        async with guest() as one:
-            assert (await one.ask("go", "12"))["code"] == "accepted"
-            one.send({"id": 2, "words": ["go", "7"], "wait": True})
-            await until(lambda: person.station.queue.waiting)
-        station = person.station
-        await until(lambda: not station.queue.waiting)
-        assert station.robot.snapshot.running_goal is not None
-
-
 async def test_of_a_flood_all_stops_are_answered_and_other_surplus_is_refused() -> None:
     async with served(ros_args=FAST) as person, guest() as one, guest() as other:
         one.send(*({"id": n, "words": ["stop"]} for n in range(1000)))

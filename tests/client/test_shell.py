@@ -192,17 +192,6 @@ async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
         assert speeds[-1] == 0.0
 
 
-def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
-    with Script(*SLOW, fresh=True) as script:
-        script.ready()
-        shell = client("go", "12", "--wait")
-        script.until("MOVING to 12")
-        script.signal(signal.SIGKILL)
-        _, err = shell.communicate(timeout=DEADLINE)
-    assert shell.returncode == 3
-    assert "the console is gone; the robot may still be moving" in err
-
-
 ENDS = [  # what is typed, the exit code, and what is said on standard error
     ("wait battery 100 --timeout 0", 4, "wait: not yet"),
     ("wait idle --timeout x", 2, "--timeout: not a time in s: x"),

@@ -187,11 +187,6 @@ REFUSALS = [  # what is typed, the code of its outcome, and why
         "misuse",
         "set: use_sim_time is in several nodes, so say in which: battery_monitor, dashboard, motor",
     ),
-    (
-        "set motor_controler max_speed 1",
-        "misuse",
-        "set: no node /motor_controler is on the graph (nearest: motor_controller)",
-    ),
     ("set battery_monitor drain_min 50", "refused", "set: drain_min 50"),
     (f"{SET} max_speed 9", "misuse", "set: motor_controller max_speed: allowed 0.05 .. 2, not 9"),
     (f"{SET} max_speed nan", "misuse", "set: motor_controller max_speed: not a finite number: nan"),

@@ -44,12 +44,6 @@ WRONG = {
     ),
     "Node(package='my_robot', executable='talker', "
     "parameters=[{'rate': ParameterValue('5', value_type=int)}]),": "21: '5' is not of type int",
-    "Node(package='my_robot', executable='talker', "
-    "parameters=[Parameter('name', 5, value_type=str)]),": "21: 5 is not of type str",
-    "Node(package='my_robot', executable='talker', "
-    "parameters=[{'rates': ParameterValue([1, 2.0], value_type=list[int])}]),": (
-        "21: [1.0, 2.0] is not of type list[int]"
-    ),
     "LogInfo(msg=PythonExpression('fast == 1')),": (
         "21: PythonExpression fast == 1: NameError: name 'fast' is not defined: a text needs "
         'quotes in it, ["\'", LaunchConfiguration(...), "\'"]'
