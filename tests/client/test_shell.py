@@ -270,13 +270,6 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
     assert (as_json.code, as_json.err) == (code, "")
 
 
-def test_no_option_that_a_verb_has_is_taken_for_a_misspelt_one() -> None:
-    for verb in verbs_of_file().values():
-        for option in verb.option_names:
-            result = {"code": "misuse", "text": "add --yes to do it"}
-            assert "nearest" not in shell._failure_text(result, [verb.id, option], ()), verb.id
-
-
 def test_without_a_console_every_verb_has_its_help() -> None:
     for verb in verbs_of_file().values():
         told = said(verb.id, "--help")

@@ -16,7 +16,6 @@ from rclpy.qos import (
     HistoryPolicy,
     LivelinessPolicy,
     QoSPolicyKind,
-    QoSPresetProfiles,
     QoSProfile,
     ReliabilityPolicy,
 )
@@ -192,12 +191,6 @@ def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
     wait_until(lambda: get_action_client_names_and_types_by_node(node, "talker", "/lab"))
     actions = get_action_client_names_and_types_by_node(node, "talker", "/lab")
     assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
-
-
-def test_profiles_by_their_short_names() -> None:
-    assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
-    assert QoSProfile(depth=3) == QoSProfile(depth=3)
-    assert QoSProfile(depth=3) != QoSProfile(depth=4)
 
 
 def test_a_call_is_answered(ros: Ros) -> None:

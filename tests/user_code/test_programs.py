@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import io
 import os
 import signal
 import subprocess
 import sys
 import threading
-import weakref
 from pathlib import Path
 from typing import Any
 
@@ -628,17 +626,6 @@ def test_an_error_in_a_thread_of_a_program_is_an_event_and_no_crash() -> None:
     with running(spinning("thrower", raises)) as session:
         wait_until(lambda: any("ZeroDivisionError" in text for text in texts(session)))
         wait_until(lambda: life(session, "/thrower") is Life.UP)  # Its node may come later.
-
-
-def test_nothing_of_an_ended_run_is_kept() -> None:
-    with running(talker()) as session:
-        wait_until(lambda: said().count("made") == 1)
-        first = weakref.ref(session.host.find("/talker"))
-        assert session.host.stop_node("/talker").ok
-        assert session.host.start_node("/talker").ok
-        wait_until(lambda: gc.collect() >= 0 and first() is None)
-        # the end interrupts the second run: where that reads a file, it would be left unclosed
-        wait_until(lambda: said().count("made") == 2)
 
 
 def test_the_threads_of_a_program_end_with_it(capsys: pytest.CaptureFixture[str]) -> None:

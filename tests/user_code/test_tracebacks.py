@@ -110,10 +110,3 @@ def test_of_a_storm_only_some_lines_are_noted_and_none_without_an_end() -> None:
     assert 50 <= len(notes) < 1000
     notes, _ = printed("x" * 25_000)
     assert [len(text) for _, _, text in notes] == [10_000]
-
-
-def test_one_that_is_freed_leaves_the_other_alone() -> None:
-    other = io.StringIO()
-    out = NodeOutput(other, lambda *_: None)
-    other.close()
-    out.close()  # as Python does when it frees it

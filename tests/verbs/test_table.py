@@ -114,12 +114,6 @@ def test_every_verb_is_listed_by_help_with_what_it_takes() -> None:
         assert line.endswith(verb.help)
 
 
-def test_what_a_command_says_of_itself_is_what_its_verb_does() -> None:
-    for command in COMMANDS:
-        if isinstance(command, VerbCommand):
-            assert command.verb.id in command.verbs
-
-
 async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
     """Why each verb of a command cannot run, else what it asks, else nothing."""
     app = stub_app(snapshot, hosted=(MOTOR,))

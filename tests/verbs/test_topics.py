@@ -23,7 +23,7 @@ from archo_tui.robot_file import load
 from archo_tui.screen.commands.generic import _publish_values
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Cancel
-from archo_tui.verbs.topics import Publish, frequency
+from archo_tui.verbs.topics import Publish
 from tests.support.clock import seconds
 from tests.support.console import console
 from tests.support.plain import Typed, operated, plain
@@ -306,11 +306,6 @@ def test_without_a_rate_it_is_one_message_and_with_one_it_has_no_end(
 def test_a_rate_or_a_number_of_times_that_is_none_is_refused(number: str) -> None:
     with pytest.raises(ValueError, match=number.split()[0]):
         Publish().values(["words", *number.split()])
-
-
-def test_a_form_and_a_line_mean_the_same_by_a_rate_and_times() -> None:
-    for rate, times, found in ((1.0, 1, (1.0, 1)), (5, None, (5.0, None)), (None, 3, (1.0, 3))):
-        assert frequency(rate, times) == found
 
 
 def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
