@@ -122,7 +122,11 @@ def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
         wait_until(lambda: life(session, "/asker") is Life.STARTING)
 
 
-def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
+def test_one_that_fails_late_has_crashed_and_names_its_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    if chosen.ENGINE == "embedded":
+        monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 4.0)  # It begins within that.
     fails = MOTOR.replace("\n    def halt", "        1 / 0\n\n    def halt")
     with hosting(written("motor.py", fails)) as session:
         wait_until(lambda: "/motor" in session.host.names())
