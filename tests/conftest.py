@@ -69,13 +69,12 @@ def unlimited(tmp_path: Path) -> Path:
 # these import what Windows lacks, and are all of POSIX
 _POSIX = {
     *("test_terminal", "test_journal", "test_own_interfaces", "test_cli"),
-    *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
+    *("test_plain", "test_plain_input", "test_plain_stops"),
     *("test_files", "test_two_processes"),
     *("test_stop_is_final", "test_walk_with_stops"),
     *("test_shell", "test_hostile", "test_beside_a_screen", "test_pages", "test_python"),
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
-    *("test_tools", "test_with_a_console", "test_connection"),
-    *("test_which_console", "test_what_a_stop_is", "test_options", "test_in_the_console"),
+    *("test_tools", "test_which_console", "test_stop_rounds", "test_in_the_console"),
 }
 
 

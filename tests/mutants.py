@@ -32,7 +32,7 @@ TESTS = {
     "archo_tui": "client test_cli.py",
     "base": "test_clock.py test_collector.py test_project.py test_other_systems.py station",
     "check": "chapter",
-    "cli": "test_cli.py test_docs.py client/test_completions.py client/test_options.py",
+    "cli": "test_cli.py test_docs.py client/test_completions.py client/test_shell.py",
     "client": "client assistant",
     "console": "plain client",
     "embedded": "contract embedded",

@@ -1,24 +1,44 @@
-"""The tools of an assistant beside a console that says what the test wants, and without one."""
+"""An assistant's tools, process and connection, beside odd consoles, none, and one that runs."""
 
 from __future__ import annotations
 
 import asyncio
 import json
 import math
+import random
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
 from mcp import Client
 from mcp.client.stdio import stdio_client
 
-from archo_tui.client.mcp.server import MAX_ITEMS, sanitize
+from archo_tui.client import sockets
+from archo_tui.client.errors import Unreached
+from archo_tui.client.mcp.connection import SILENT, ConsoleConnection
+from archo_tui.client.mcp.server import MAX_ITEMS, make_server, sanitize
+from archo_tui.robot.stop.words import is_stop_text
 from archo_tui.robot_file.model import NO_STOP
-from tests.assistant.support import GOALS, Request, assistant, fake_console, parameters, process
+from archo_tui.station.approvals import READING_TIME
+from tests.assistant.support import (
+    GOALS,
+    INITIALIZE,
+    Assistant,
+    FakeConsole,
+    Request,
+    assistant,
+    fake_console,
+    parameters,
+    process,
+)
 from tests.support.shells import until
-from tests.support.waiting import DEADLINE
+from tests.support.terminal import Terminal
+from tests.support.waiting import DEADLINE, Waited
 
 pytestmark = pytest.mark.real_time
 
@@ -74,19 +94,6 @@ async def test_without_a_console_every_tool_says_how_to_start_one() -> None:
         assert "hardware stop" in (await model.call("stop")).data["summary"]
 
 
-async def test_of_several_consoles_none_is_guessed() -> None:
-    async with fake_console(7) as first, fake_console(8) as second:
-        async with assistant() as model:
-            said = await model.call("status")
-            assert said.failed
-            assert said.data["summary"].startswith("several consoles run here, --to PID")
-            assert [line.strip()[:5] for line in said.robot["said"]] == ["pid 7", "pid 8"]
-        async with assistant("--to", "/r8") as model:
-            second.answer("status", "done", data={})
-            assert not (await model.call("status")).failed
-        assert (first.words(), second.words()) == ([], [["status"]])
-
-
 async def test_stop_goes_to_every_console_that_may_be_meant() -> None:
     async with fake_console(7) as first, fake_console(8) as second, assistant() as model:
         first.answer("stop", "done", "confirmed")
@@ -106,30 +113,23 @@ async def test_stop_goes_to_every_console_that_may_be_meant() -> None:
 
 ODD: list[tuple[str, dict[str, Any], str]] = [
     ("go", {}, "kind: Field required"),
-    ("go", {"kind": "go"}, "values: Field required"),
     (
         "go",
         {"kind": "x" * 1_000_000, "values": {}},
         "kind: String should have at most 200 characters",
     ),
-    ("go", {"kind": 5, "values": {}}, "kind: Input should be a valid string"),
     ("go", {"kind": "go", "values": [12]}, "values: Input should be a valid dictionary"),
     ("go", {"kind": "go", "values": {"n": "x" * 5000}}, "values: at most 4096 bytes of JSON"),
     ("go", {"kind": "go", "values": {}, "yes": True}, "unknown argument 'yes': this tool takes"),
     ("wait", {"request": "3"}, "request: Input should be a valid integer"),
-    ("wait", {"request": True}, "request: Input should be a valid integer"),
-    ("wait", {"request": 1.5}, "request: Input should be a valid integer"),
     ("wait", {"request": 10**300}, "request: Input should be less than"),
     ("wait", {"request": 1, "seconds": 51}, "seconds: Input should be less than"),
-    ("wait", {"request": 1, "seconds": -1}, "seconds: Input should be greater than"),
     ("wait", {"request": 1, "seconds": math.nan}, "seconds: "),
     ("events", {"level": "LOUD"}, "level: Input should be 'DEBUG'"),
     ("history", {"minutes": 7}, "unknown argument 'minutes': this tool takes no arguments"),
     ("parameters", {"name": "max_speed"}, "name takes a node too"),
     ("status", {"\x1b[31m": 1}, "unknown argument '\\x1b[31m': this tool takes no arguments"),
     ("release", {}, "no tool 'release': the tools are status"),
-    ("allow", {"request": 1}, "no tool 'allow'"),
-    ("set", {"node": "n", "name": "n", "value": 1}, "no tool 'set'"),
 ]
 
 
@@ -143,12 +143,6 @@ async def test_odd_arguments_are_one_clear_line_and_reach_no_console() -> None:
             assert len(said.data["summary"]) < 200
             assert said.data["summary"].isprintable()
         assert console.asked == []
-
-
-async def test_it_ends_when_its_client_closes_and_prints_nothing_else() -> None:
-    ours = await process("--allow", "goals")
-    out, err = await asyncio.wait_for(ours.communicate(b""), DEADLINE)
-    assert (ours.returncode, out, err) == (0, b"", b"")
 
 
 async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None:
@@ -181,8 +175,8 @@ LINES = {"type": "demo_msgs/msg/Speed", "lines": [f"# {EVIL}", "float32 speed  #
 MESSAGE = {"speed": 0.8, "name": EVIL}
 EVENT = {"time": 1.0, "level": "WARN", "source": "node", "text": EVIL, "count": 1}
 EVERY = [{"node": f"/n{n % 3}", "name": f"p{n}", "value": n} for n in range(3)]
-SILENT = "mute has not reported its parameters"
-SAID = f"n0 p0 is 0\nn1 p1 is 1\nn2 p2 is 2\n{SILENT}"
+MUTE = "mute has not reported its parameters"
+SAID = f"n0 p0 is 0\nn1 p1 is 1\nn2 p2 is 2\n{MUTE}"
 
 
 def reported(*found: Any, **more: Any) -> dict[str, Any]:
@@ -195,14 +189,14 @@ READS: list[tuple[str, dict[str, Any], list[str], str, Any, Any]] = [
     ("history", {}, ["history"], "", HOUR, {"source": "measured", **HOUR}),
     ("interface", {"type": "Speed"}, ["interface", "Speed"], "", DEFINITION, LINES),
     ("echo", {"topic": "x"}, ["echo", "x"], "", MESSAGE, {"age": None, "message": MESSAGE}),
-    ("parameters", {}, ["params"], SAID, EVERY, reported(*EVERY, not_reported=[SILENT])),
+    ("parameters", {}, ["params"], SAID, EVERY, reported(*EVERY, not_reported=[MUTE])),
     (
         *("parameters", {"node": "n1"}, ["params"], SAID, EVERY),
-        reported(EVERY[1], not_reported=[SILENT]),
+        reported(EVERY[1], not_reported=[MUTE]),
     ),
     (
         *("parameters", {"node": "mute"}, ["params"], SAID, EVERY),
-        reported(not_reported=[SILENT]),
+        reported(not_reported=[MUTE]),
     ),
     (
         *("parameters", {"node": "n0", "name": "p0"}, ["get", "n0", "p0"], "", EVERY[0]),
@@ -416,3 +410,237 @@ async def test_what_is_not_done_says_why_and_a_stop_names_the_hardware_stop() ->
         said = await model.call("cancel")
         assert said.failed
         assert said.robot["said"] == ["no goal of the assistant runs"]
+
+
+WAIT = (
+    b'{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": '
+    b'{"name": "wait", "arguments": {"request": 3}}}\n'
+)
+
+
+async def test_all_calls_go_through_one_connection_that_closes_at_the_end() -> None:
+    async with fake_console() as console:
+        console.answer("status", "done", data={})
+        async with assistant() as model:
+            for _ in range(3):
+                assert not (await model.call("status")).failed
+            both = asyncio.gather(*(model.call("status") for _ in range(5)))
+            assert not any(said.failed for said in await both)
+            assert (console.connections, console.closed) == (1, 0)
+        await until(lambda: console.closed == 1)
+        numbers = [request["id"] for request in console.asked]
+        assert len(set(numbers)) == len(numbers) == 8
+
+
+async def waiting(console: FakeConsole) -> asyncio.subprocess.Process:
+    """The process, while a call of it waits for a request."""
+    made = await process("--allow", "goals", first=INITIALIZE + WAIT)
+    await until(lambda: console.asked)
+    return made
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL, signal.SIGINT])
+async def test_killed_in_the_middle_its_connection_closes(number: signal.Signals) -> None:
+    async with fake_console() as console:
+        ours = await waiting(console)
+        assert ours.stdout is not None
+        first = await asyncio.wait_for(ours.stdout.readline(), DEADLINE)
+        ours.send_signal(number)
+        await until(lambda: console.closed == 1)
+        rest, err = await asyncio.wait_for(ours.communicate(), DEADLINE)
+        out = first + rest
+        assert ours.returncode == -number
+        assert (out.count(b"\n"), err) == (1, b"")  # the answer to initialize
+
+
+async def test_closed_in_the_middle_it_ends_without_a_word() -> None:
+    async with fake_console() as console:
+        ours = await waiting(console)
+        _, err = await asyncio.wait_for(ours.communicate(b""), DEADLINE)
+        assert (ours.returncode, err) == (0, b"")
+        await until(lambda: console.closed == 1)
+
+
+async def test_a_console_that_was_restarted_is_found_again_and_that_is_said() -> None:
+    async with assistant() as model:
+        async with fake_console(7) as first:
+            first.answer("status", "done", data={})
+            assert "news" not in (await model.call("status")).data
+        said = await model.call("status")
+        assert said.data["summary"].startswith("no console runs here")
+        async with fake_console(8) as second:
+            second.answer("status", "done", data={})
+            said = await model.call("status")
+            assert not said.failed
+            assert said.data["news"].startswith("The console was restarted")
+            assert "news" not in (await model.call("status")).data
+
+
+async def test_a_console_that_goes_in_the_middle_is_said() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        waits = asyncio.ensure_future(model.call("wait", request=3))
+        await until(lambda: console.asked)
+        console.drop()
+        said = await waits
+        assert said.failed
+        assert said.data["summary"] == "the console is gone; the robot may still be moving"
+
+
+async def test_an_old_client_that_shakes_hands_is_served_too() -> None:
+    async with fake_console() as console:
+        console.answer("status", "done", data={})
+        async with Client(stdio_client(parameters()), mode="legacy") as client:
+            assert len((await client.list_tools()).tools) == 7
+            assert not (await client.call_tool("status", {})).is_error
+
+
+RANDOM_CALLS = 5000
+NAMES = ("status", "events", "history", "parameters", "stop", "go", "wait", "cancel")
+OTHERS = ("release", "set", "allow", "answer", "go --yes", "", "Stop", "\x1b[31m", "call" * 999)
+ARGUMENTS = ("kind", "values", "request", "seconds", "level", "node", "name", "words")
+VALUES: tuple[Any, ...] = (
+    *("go", "stop", "release", "WARN", "--yes", "", "\ud800", "x" * 10_000, "motor_controller"),
+    *(None, True, False, 0, 1, 3, 12, -1, 50, 60, 10**400, 0.5, 1e308, float("nan"), float("inf")),
+    *([], [12], {}, {"shelf_number": 12}, {"shelf_number": {"a": [1]}}, {"a": float("nan")}),
+)
+
+
+@asynccontextmanager
+async def linked(to: str = "") -> AsyncIterator[ConsoleConnection]:
+    link = ConsoleConnection(to)
+    try:
+        yield link
+    finally:
+        link.close()
+
+
+def is_allowed(request: dict[str, Any]) -> bool:
+    """True for what an assistant may say to a console."""
+    own = {name: value for name, value in request.items() if name not in ("id", "assistant")}
+    if "ask" in own:
+        asked = own.pop("ask")
+        return not own and set(asked) == {"kind", "values"}
+    words = own.pop("words")
+    timeout = own.pop("timeout", 0.5)
+    looks = words[0] in ("status", "events", "history", "params", "get", "goals")
+    waits = words[:2] == ["wait", "request"] and words[2].isdecimal()
+    return not own and 0 < timeout <= 1 and (looks or waits or words in (["stop"], ["cancel"]))
+
+
+async def test_whatever_a_model_calls_only_what_it_may_is_sent() -> None:
+    dice = random.Random(7)
+    async with fake_console() as console, linked() as link:
+        server = make_server(link, goals=True)
+        tools = await server.list_tools()
+        known = {tool.name: tool.input_schema["properties"] for tool in tools}
+        console.answer("wait", "denied", "request 3 is denied")
+        for word in ("status", "history", "params", "events", "get", "stop", "cancel"):
+            console.answer(word, "done", "", data=[])
+        console.answer("ask", "refused", "not now")
+        for _ in range(RANDOM_CALLS):
+            name = dice.choice((*NAMES, *OTHERS))
+            schema = known.get(name, {})
+            some = [one for one in (*schema, *ARGUMENTS) if one in schema or dice.random() < 0.05]
+            given = {one: dice.choice(VALUES) for one in some if dice.random() < 0.8}
+            result = await server.call_tool(name, given)
+            told, failed = result.structured_content, result.is_error
+            json.dumps(told, allow_nan=False).encode()
+            assert failed or name in NAMES or is_stop_text(name)
+            assert told["summary"].isprintable()
+            assert len(told["summary"]) < 300
+        stops = [request for request in console.asked if request.get("words") == ["stop"]]
+        assert console.connections == 1 + len(stops)  # Each STOP has one of its own.
+        assert [request for request in console.asked if not is_allowed(request)] == []
+        assert all(request["assistant"] is True for request in console.asked)
+        spoken = {request["words"][0] for request in console.asked if "words" in request}
+        assert {"status", "params", "get", "stop", "wait", "cancel"} <= spoken
+
+
+async def test_a_console_that_does_not_answer_is_said_and_the_link_stays() -> None:
+    async with fake_console() as console, linked() as link:
+        with pytest.raises(Unreached, match="is it suspended"):
+            await link.request(0.05, words=["status"])
+        console.answer("status", "done", data={})
+        assert (await link.request(words=["status"]))["data"] == {}
+        assert console.connections == 1
+    assert "may still be moving" in SILENT
+
+
+@pytest.mark.parametrize("line", [b"no JSON\n", b"[1]\n", b'{"id": 1, "code": "done"'])
+async def test_a_console_that_speaks_no_protocol_is_one_that_has_gone(line: bytes) -> None:
+    async with fake_console() as console, linked() as link:
+
+        async def babbles(_: dict[str, Any]) -> None:
+            console.write(line)
+            if not line.endswith(b"\n"):
+                console.drop()
+
+        console.answers["status"] = babbles
+        with pytest.raises(Unreached, match="the console is gone"):
+            await link.request(words=["status"])
+
+
+@asynccontextmanager
+async def beside(terminal: Terminal) -> AsyncIterator[Assistant]:
+    """An assistant beside a console whose output is read meanwhile."""
+
+    async def read_on() -> None:
+        while True:
+            terminal.read(0.0)
+            await asyncio.sleep(0.01)
+
+    terminal.until(lambda: sockets.socket_paths())
+    reading = asyncio.ensure_future(read_on())
+    try:
+        async with assistant("--allow", "goals") as model:
+            yield model
+    finally:
+        reading.cancel()
+
+
+async def told(model: Assistant, tool: str, holds: Callable[[Any], object], **given: Any) -> Any:
+    """What the robot says as soon as that holds."""
+    waited = Waited(DEADLINE)
+    while not holds(robot := (await model.call(tool, **given)).robot):
+        assert not waited.too_long(), robot
+    return robot
+
+
+async def read() -> None:
+    """As long as a person needs until an answer counts."""
+    end = time.monotonic() + 1.5 * READING_TIME
+    await until(lambda: time.monotonic() > end)
+
+
+async def test_a_console_is_read_a_goal_is_driven_once_allowed_and_stopped(
+    terminals: list[Terminal],
+) -> None:
+    fast = ("--ros-args", "-p", "time_scale:=75.0", "-p", "feedback_period:=0.05")
+    terminals.append(Terminal("--plain", *fast))
+    async with beside(terminals[0]) as model:
+        status = await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        assert (status["robot"], status["battery"]["source"]) == ("ARCHO", "measured")
+        events = (await told(model, "events", lambda robot: "Dashboard sees" in str(robot)))[
+            "events"
+        ]
+        assert all(0 <= event["age"] < 600 for event in events)
+        charge = (await model.call("history")).robot["charge"]["readings"]
+        assert charge[0]["value"] == pytest.approx(status["battery"]["percentage"], abs=5)
+        one = await model.call("parameters", node="motor_controller", name="max_speed")
+        assert one.robot["parameters"][0]["value"] == 0.8
+
+        said = await model.call("go", kind="go", values={"shelf_number": 12})
+        assert (said.failed, said.data["code"]) == (False, "asked")
+        waits = await model.call("wait", request=1, seconds=0)
+        assert waits.data["code"] == "ran_out"
+        await until(lambda: "wants: go to shelf 12 (allow 1" in terminals[0].text)
+        await read()
+        terminals[0].write("allow 1\r")
+        await until(lambda: "allowed request 1" in terminals[0].text)
+        ended = await model.call("wait", request=1, seconds=50)
+        assert (ended.failed, ended.data["code"]) == (False, "arrived")
+
+        said = await model.call("stop")
+        assert said.data["summary"].startswith("STOP is confirmed by the robot")
+        assert (await model.call("status")).robot["motion"]["stopped"] is True
+        await until(lambda: "STOP: confirmed" in terminals[0].text)

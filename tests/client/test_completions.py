@@ -99,9 +99,7 @@ KNOWN = [
 
 
 @needs_bash
-def test_bash_completes_what_is_known_without_a_console(
-    offered: Callable[..., list[str]],
-) -> None:
+def test_bash_completes_what_is_known_without_a_console(offered: Callable[..., list[str]]) -> None:
     for words, wanted in KNOWN:
         assert sorted(offered(*words)) == wanted, words
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.client import connection, find, sockets
+from archo_tui.client import connection, sockets
 from archo_tui.client.errors import Unreached
 from archo_tui.client.protocol import GONE
 from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
@@ -134,9 +134,7 @@ async def test_more_than_enough_clients_may_stop_and_nothing_else() -> None:
 
 
 @pytest.mark.parametrize("count", corners([200], [10_000]))
-async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
-    count: int,
-) -> None:
+async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(count: int) -> None:
     async with served(ros_args=FAST) as person:
         held: list[socket.socket] = []
         files = len(os.listdir("/proc/self/fd"))
@@ -151,47 +149,6 @@ async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
             one.close()
         await until(lambda: len(os.listdir("/proc/self/fd")) < files + 10)
         await goes_on(person)
-
-
-async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_connected() -> None:
-    async with served(ros_args=LONG) as person:
-        one = await raw()
-        one.send(
-            *(
-                {"id": n, "words": ["set", "motor_controller", "max_speed", f"1.{n}"]}
-                for n in range(9)
-            )
-        )
-        await heard(person, "max_speed 1.0")
-        one.close()
-        station = person.station
-        await until(lambda: not station.clients)
-        for _ in range(20):
-            await typed("status")
-        assert "max_speed 1.8" not in person.said
-        await until(lambda: not station.clients)
-
-
-async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() -> None:
-    async with served(ros_args=LONG) as person:
-        station = person.station
-        send = station.robot.send
-        sending, go_on = asyncio.Event(), asyncio.Event()
-
-        async def slow(*given: Any, **more: Any) -> Any:
-            sending.set()
-            await go_on.wait()
-            return await send(*given, **more)
-
-        station.robot.send = slow  # type: ignore[method-assign]
-        one = await raw()
-        one.send({"id": 1, "words": ["go", "12", "7"], "wait": True})
-        await sending.wait()
-        one.close()
-        await until(lambda: not station.clients)
-        go_on.set()
-        await heard(person, "CANCELLED")
-        assert not station.queue.waiting
 
 
 @pytest.mark.parametrize(
@@ -244,17 +201,6 @@ async def test_a_result_and_wait_arrived_tell_of_the_goal_of_the_same_program() 
         assert (await one.result())["text"] == "it had ended"
 
 
-async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() -> None:
-    async with served(ros_args=LONG) as person:
-        async with guest() as one:
-            assert (await one.ask("go", "12"))["code"] == "accepted"
-            one.send({"id": 2, "words": ["go", "7"], "wait": True})
-            await until(lambda: person.station.queue.waiting)
-        station = person.station
-        await until(lambda: not station.queue.waiting)
-        assert station.robot.snapshot.running_goal is not None
-
-
 async def test_of_a_flood_all_stops_are_answered_and_other_surplus_is_refused() -> None:
     async with served(ros_args=FAST) as person, guest() as one, guest() as other:
         one.send(*({"id": n, "words": ["stop"]} for n in range(1000)))
@@ -283,16 +229,6 @@ async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
         brake.node.wake()
         for guest_ in (one, other):
             assert (await guest_.result())["code"] == "done"
-
-
-async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
-    async with served(ros_args=FAST, watch=True) as person:
-        for words in ("stop", "go 12", "set motor_controller max_speed 0.5", "release --yes"):
-            said = await typed(*words.split())
-            assert said.code == 1, words
-            assert "watching" in said.err
-        assert (await typed("status", "--line")).code == 0
-        assert "SHELL" not in person.said
 
 
 @pytest.mark.parametrize("fault", ["mode", "file"])
@@ -415,23 +351,6 @@ def test_a_result_that_is_none_counts_as_an_end(rest: str) -> None:
         theirs.sendall(f'{{"id": 1, {rest}}}\n'.encode())
         with pytest.raises(Unreached, match=GONE):
             console.result(words=["status"])
-
-
-async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(find, "WAKE_TIMEOUT", 1.0)
-    with _listens("1.sock"):
-        async with served(ros_args=FAST) as person:
-            assert await typed("status", "--to", "/north") == (
-                3,
-                "",
-                "archo-tui: no console /north answers here; "
-                "the console of pid 1 does not answer: is it suspended?\n",
-            )
-            code, _, err = await typed("stop", "--to", "/north")
-            assert (code, "pid 1: not confirmed: the robot may be moving" in err) == (3, True)
-            assert "STOP" not in person.said  # which is another
 
 
 @pytest.mark.parametrize("hello", [{"protocol": 2, "pid": 7}, {}, [], "hello"])

@@ -1,4 +1,4 @@
-"""docs/protocol.md, docs/shell.md and docs/python.md: what they show is what happens."""
+"""What the pages of programs show is what happens; recordings, answers and results as data."""
 
 from __future__ import annotations
 
@@ -11,18 +11,28 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import archo_tui
+from archo_tui.base.paths import state_file
 from archo_tui.client.protocol import EXITS
+from archo_tui.recordings import recorder, store
+from archo_tui.robot.outcome import data_of
 from archo_tui.verbs import topics
-from tests.support import chosen
+from archo_tui.verbs.show import ShowHistory
+from tests.robot.test_slow_services import Mapper
+from tests.support import chosen, clock
 from tests.support.console import FAST
-from tests.support.shells import heard, raw, served
+from tests.support.plain import operated
+from tests.support.robot import making
+from tests.support.shells import heard, raw, served, typed
+from tests.support.states import NORMAL
+from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
-
-pytestmark = pytest.mark.real_time
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "protocol.md").read_text()
@@ -36,6 +46,7 @@ def _block(language: str) -> str:
     return found[1]
 
 
+@pytest.mark.real_time
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="the hello of the page names the engine")
 async def test_the_session_of_the_page_is_what_is_said_byte_by_byte() -> None:
     async with served(ros_args=FAST, domain_id=None):
@@ -52,6 +63,7 @@ async def test_the_session_of_the_page_is_what_is_said_byte_by_byte() -> None:
         one.close()
 
 
+@pytest.mark.real_time
 def test_the_exit_codes_of_the_page_are_those_that_a_shell_ends_with() -> None:
     told: dict[str, int] = {}
     for code, words in re.findall(r"^\| (\d+) \|[^|]*\| (.*?) \|$", SHELL, re.MULTILINE):
@@ -74,6 +86,7 @@ while True:
 """
 
 
+@pytest.mark.real_time
 @pytest.mark.skipif(shutil.which("bash") is None, reason="the lines are bash's")
 async def test_the_client_in_five_lines_of_shell_sends_the_robot(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -103,6 +116,7 @@ PRINTED = [
 ]
 
 
+@pytest.mark.real_time
 @pytest.mark.parametrize(("code", "lines"), [*zip(EXAMPLES, PRINTED, strict=True)])
 async def test_the_examples_in_python_do_what_they_say(
     code: str, lines: list[str], monkeypatch: pytest.MonkeyPatch
@@ -120,3 +134,101 @@ async def test_the_examples_in_python_do_what_they_say(
         said = await asyncio.to_thread(run)
     for line in lines:
         assert line in said
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("line", ["keep", "wait battery 100"])
+async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(line: str) -> None:
+    async with operated(ros_args=FAST, at_terminal=True) as person:
+        person.type("status\n")
+        await person.until("battery")
+        began = clock.seconds()
+        person.type(f"{line}\n")
+        person.type("get motor_controller max_speed\n")
+        await person.until("max_speed is")
+        assert clock.seconds() - began < 2.0
+        assert f"{line.split()[0]}: not waited for any longer\n" in person.said
+        person.type("go 3\n")
+        await person.until("go to shelf 3: accepted")
+        assert await person.end() == 0
+
+
+@pytest.mark.real_time
+async def test_a_shell_waits_for_its_recording_and_is_told_the_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.5)
+    async with served() as person:
+        began = clock.seconds()
+        kept = await typed("keep", "--json")
+        assert clock.seconds() - began >= recorder.SECONDS_AFTER
+        (recording,) = store.list_recordings(state_file("recordings"))
+        result = json.loads(kept.out)
+        assert (kept.code, result["code"]) == (0, "done")
+        assert result["data"] == {"recording": recording.name}
+        assert result["text"] == f"recorded {recording.name}"
+        given_up = await typed("keep", "--timeout", "0.2")
+        assert (given_up.code, given_up.err) == (4, "archo-tui: keep: 0.2 s are over\n")
+        state_file("recordings").rename(state_file("elsewhere"))
+        state_file("recordings").write_text("a file where the folder would be")
+        failed = await typed("keep")
+        assert failed.code == 1
+        assert failed.err.startswith("archo-tui: keep: recording not written: ")
+        state_file("recordings").unlink()
+        await person.end()
+
+
+def test_history_is_data_with_the_age_of_each_reading() -> None:
+    robot: Any = StubRobot(NORMAL)
+    station = stub_station(robot)
+    station.on_snapshot(NORMAL)
+    told = json.loads(
+        json.dumps(data_of(asyncio.run(ShowHistory().run(station, {}))), allow_nan=False)
+    )
+    charge = told["charge"]
+    assert charge["unit"] == "%"
+    assert [one["age"] for one in charge["readings"]] == [0.0, 60.0, 600.0, 3600.0]
+    assert charge["readings"][0]["value"] == NORMAL.battery.percentage
+    assert charge["readings"][-1]["value"] is None
+    assert [goal["name"] for goal in told["goals"]] == [goal.name for goal in NORMAL.history]
+    assert all("time" in goal and "phase" in goal for goal in told["goals"])
+
+
+@pytest.mark.real_time
+async def test_a_shell_prints_the_answer_and_a_program_gets_its_fields() -> None:
+    made: list[Mapper] = []
+    async with served(making(made, Mapper)):
+        made[0].wake()
+        said = await typed("call", "save_map")
+        assert said == (0, "success true, message map.pgm\n", "")
+        said = await typed("call", "save_map", "--json")
+        assert json.loads(said.out)["data"] == {"success": True, "message": "map.pgm"}
+
+        def call() -> Any:
+            with archo_tui.connect() as robot:
+                return robot.do("call", "save_map")
+
+        assert await asyncio.to_thread(call) == {"success": True, "message": "map.pgm"}
+
+
+@pytest.mark.real_time
+async def test_the_result_of_any_goal_that_was_waited_for_is_data() -> None:
+    pytest.importorskip("depot_interfaces")
+    from tests.robots.rover import Counting
+
+    async with served(Counting):
+        said = await typed("send_goal", "fibonacci", "order=3", "--wait")
+        assert (said.code, said.out) == (0, "sequence [0, 1, 1, 2]\n")
+        said = await typed("send_goal", "fibonacci", "order=3", "--wait", "--json")
+        last = json.loads(said.out.splitlines()[-1])
+        assert last["data"]["result"] == {"sequence": [0, 1, 1, 2]}
+
+
+@pytest.mark.real_time
+async def test_a_time_that_is_over_says_that_it_may_still_be_done() -> None:
+    async with served(Mapper):
+        began = time.monotonic()
+        said = await typed("call", "save_map", "--timeout", "0.5")
+        assert time.monotonic() - began < 2.5  # s: nothing is called off, so nothing is waited for
+        assert said.code == 4
+        assert said.err == "archo-tui: call: not within 0.5 s: the robot may still do it\n"

@@ -8,7 +8,7 @@ import os
 import pydoc
 import signal
 import subprocess
-import threading
+import sys
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
@@ -21,22 +21,17 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
 from archo_tui.base.errors import ArchoError
-from archo_tui.client import connection, sockets
-from archo_tui.client import robot as robots
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
-from archo_tui.console.session import RequestHandler
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import Phase
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
 from tests.support.script import SLOW, Script
-from tests.support.shells import heard, reached, served, typed, until
+from tests.support.shells import heard, served, typed, until
 from tests.support.waiting import DEADLINE
-
-pytestmark = pytest.mark.real_time
 
 REPORTING = ("-p", "feedback_period:=0.05")
 
@@ -51,6 +46,7 @@ async def does(work: Callable[[Robot], Any]) -> Any:
     return await asyncio.to_thread(run)
 
 
+@pytest.mark.real_time
 async def test_the_state_is_typed_and_measured_and_events_come_until_their_time() -> None:
     async with served(ros_args=FAST):
         status = await does(lambda robot: robot.status())
@@ -80,6 +76,7 @@ class Named(Node):
         self.declare_parameter("speed", 0.8)
 
 
+@pytest.mark.real_time
 async def test_parameters_are_set_and_read_in_their_types() -> None:
     names = ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"]
 
@@ -107,6 +104,7 @@ NOT_DONE: list[tuple[Callable[[Any], Any], type[NotDone], str]] = [
 ]
 
 
+@pytest.mark.real_time
 async def test_each_end_is_an_error_of_its_own(unlimited: Path) -> None:
     async with served(robot=unlimited, ros_args=FAST) as person:
         for work, error, said in NOT_DONE:
@@ -135,6 +133,7 @@ def left(goal: Any) -> float:
     return float("inf") if state is None or state.remaining is None else float(state.remaining)
 
 
+@pytest.mark.real_time
 async def test_a_handle_reports_waits_and_cancels() -> None:
     async with driving(12, 7) as (person, robot, goal):
         await until(lambda: left(goal) < 1000.0)
@@ -157,6 +156,7 @@ async def test_a_handle_reports_waits_and_cancels() -> None:
         assert (await asyncio.to_thread(robot.status)).queue.waiting == []
 
 
+@pytest.mark.real_time
 async def test_a_goal_that_ends_otherwise_raises() -> None:
     async with driving() as (_, robot, goal):
         await typed("cancel")
@@ -170,6 +170,7 @@ async def test_a_goal_that_ends_otherwise_raises() -> None:
             await asyncio.to_thread(robot.go, 5)
 
 
+@pytest.mark.real_time
 @pytest.mark.pure
 @pytest.mark.parametrize(
     ("code", "error"),
@@ -183,6 +184,7 @@ def test_only_what_was_surely_not_done_counts_as_refused(code: Code, error: type
         data_or_raise({"code": code.value, "text": ""})
 
 
+@pytest.mark.real_time
 def test_a_cancel_of_a_goal_that_is_lost_says_that_the_robot_may_move() -> None:
     replies = [{"said": "accepted"}, {"code": "timeout", "text": "goal lost"}]
     console: Any = SimpleNamespace(close=lambda: None, give_up=lambda: None)
@@ -190,6 +192,7 @@ def test_a_cancel_of_a_goal_that_is_lost_says_that_the_robot_may_move() -> None:
         GoalHandle(console, iter(replies)).cancel()
 
 
+@pytest.mark.real_time
 def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
     replies = [{"said": "go to shelf 12: accepted"}, {"code": "aborted", "text": "it slipped"}]
     console: Any = SimpleNamespace(close=lambda: None)
@@ -199,6 +202,7 @@ def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
         handle.wait()
 
 
+@pytest.mark.real_time
 async def test_of_a_robot_that_brakes_for_long_the_time_is_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -209,6 +213,7 @@ async def test_of_a_robot_that_brakes_for_long_the_time_is_over(
             await does(lambda robot: robot.go(12, timeout=1.0).wait())
 
 
+@pytest.mark.real_time
 async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refused() -> None:
     async with driving() as (person, robot, goal):
         events = await asyncio.to_thread(robot.events)
@@ -253,6 +258,7 @@ async def test_leaving_waits_for_the_cancel_of_a_goal_that_is_not_answered_yet(
 # ctrl+c and threads
 
 
+@pytest.mark.real_time
 async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered() -> None:
     async with driving() as (_, robot, goal):
 
@@ -295,12 +301,6 @@ for line in sys.stdin:
 """
 
 
-@pytest.fixture
-def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Processes look nowhere else."""
-    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
-
-
 @contextmanager
 def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, Any]]:
     """A console in a process of its own, and beside it Python that runs the code."""
@@ -316,7 +316,7 @@ def beside_console(code: str, *, fresh: bool = False) -> Iterator[tuple[Script, 
             python.communicate()
 
 
-@pytest.mark.usefixtures("one_folder")
+@pytest.mark.real_time
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
     with beside_console(REPL, fresh=True) as (script, python):
 
@@ -371,7 +371,7 @@ with archo_tui.connect() as robot:
 """
 
 
-@pytest.mark.usefixtures("one_folder")
+@pytest.mark.real_time
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
     with beside_console(FORKS) as (script, python):
         said = {python.stdout.readline(), python.stdout.readline()}
@@ -382,6 +382,7 @@ def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
         script.until("goal CANCELLED")
 
 
+@pytest.mark.real_time
 async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
     async with served(ros_args=LONG) as person:
         await typed("wait", "ready")
@@ -392,61 +393,10 @@ async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
         await asyncio.to_thread(goal.cancel)
 
 
-async def test_a_goal_of_a_program_that_has_gone_or_no_time_is_not_sent(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    has_left, gone = threading.Event(), RequestHandler.on_client_left
-
-    def left(desk: RequestHandler, client: Any) -> None:
-        gone(desk, client)
-        has_left.set()
-
-    monkeypatch.setattr(RequestHandler, "on_client_left", left)
-    async with served(ros_args=LONG) as person:
-        await typed("wait", "ready")
-        await until(has_left.is_set)
-        has_left.clear()
-        with reached() as program:
-            request = {"id": 1, "words": ["go", "12"], "wait": True, "timeout": 60}
-            program.send(json.dumps(request).encode() + b"\n")
-        assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
-        await typed("wait", "idle")
-        with pytest.raises(RanOut):
-            await does(lambda robot: robot.do("go", "12", timeout=0))
-        assert "go to shelf 12: accepted" not in person.said
-        assert (await does(lambda robot: robot.status())).goal is None
-
-
 # consoles that hang or go
 
 
-async def test_of_a_console_that_is_given_up_the_robot_may_move(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked: list[float] = []
-    reach = connection.reach
-
-    def reached(path: str, within: float = 1.0) -> Any:
-        asked.append(within)
-        if len(asked) > 2:
-            raise Unreached("the console of pid 7 does not answer: is it suspended?")
-        return reach(path, DEADLINE)
-
-    async with driving() as (person, robot, goal):
-        monkeypatch.setattr(connection, "_SILENCE", 1.5)  # The goal reports more often.
-        for module in (connection, robots):
-            monkeypatch.setattr(module, "reach", reached)
-        with pytest.raises(Unreached, match=r"the robot may still be moving: .* is it suspended"):
-            await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
-        assert asked == [1.0, 1.5, 1.5]  # while it answers, it is waited for
-        shell = await typed("wait", "battery", "100")
-        assert shell.code == 3
-        assert "the robot may still be moving: the console of pid 7 does not answer" in shell.err
-        assert not goal.done()  # it reports
-        await asyncio.to_thread(goal.cancel)
-        await heard(person, "CANCELLED")
-
-
+@pytest.mark.real_time
 async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() -> None:
     domain = chosen.next_domain()
     async with served(ros_args=LONG, domain_id=domain):
@@ -464,6 +414,7 @@ async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() ->
         await until(lambda: person.said.count("STOP: confirmed") == 2)
 
 
+@pytest.mark.real_time
 @pytest.mark.pure
 def test_help_explains_each_argument_that_is_public() -> None:
     assert "/north" in pydoc.render_doc(archo_tui.connect)
@@ -477,3 +428,37 @@ def test_help_explains_each_argument_that_is_public() -> None:
     with pytest.raises(AttributeError):
         archo_tui.nothing  # noqa: B018
     assert set(archo_tui.__all__) - {"__version__", "connect", "stop"} <= set(dir(archo_tui))
+
+
+# The console's own rules that a client shares; none of them imports a library.
+OURS = (
+    *("archo_tui", "archo_tui.client", "archo_tui.base", "archo_tui.base.errors"),
+    *("archo_tui.base.nearest",),
+    *("archo_tui.base.safe_text", "archo_tui.base.surrogates", "archo_tui.robot_file"),
+    *("archo_tui.robot_file.reserved", "archo_tui.robot", "archo_tui.robot.stop"),
+    "archo_tui.robot.stop.words",
+)
+
+
+def loaded(statement: str) -> set[str]:
+    """The modules that Python has after a statement, site's own not counted."""
+    code = f"import sys; before = set(sys.modules); {statement}; print(*set(sys.modules) - before)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("module", "most"),
+    [("shell", 23), ("find", 16), ("protocol", 12), ("robot", 45)],
+)
+def test_a_client_loads_few_modules_beside_socket_and_json(module: str, most: int) -> None:
+    name = f"archo_tui.client.{module}"
+    found: Any = loaded(f"import {name}") - loaded("import socket, json")
+    own = {other for other in found if other.startswith("archo_tui")}
+    strange = {other for other in own if not other.startswith("archo_tui.client.")} - {*OURS}
+    assert strange == set()  # nothing of the console
+    others = {other.partition(".")[0].lstrip("_") for other in found - own}
+    assert others <= {*(std.lstrip("_") for std in sys.stdlib_module_names)}
+    assert len(found) <= most, sorted(found)

@@ -1,4 +1,4 @@
-"""`archo-tui VERB`: what a shell says, prints and ends with."""
+"""`archo-tui VERB`: what a shell says, prints and ends with, with each option."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
 
+from archo_tui.base.errors import ArchoError
+from archo_tui.cli import main
 from archo_tui.cli.options import SUBCOMMANDS
-from archo_tui.client import shell
+from archo_tui.cli.verb import helps, verbs_of_file
+from archo_tui.client import find, shell
 from archo_tui.console import session
-from archo_tui.robot.state.goal import Phase
 from tests.support.console import FAST, LONG
-from tests.support.hesitant import Hesitant
-from tests.support.robot import hearing, making
+from tests.support.robot import hearing
 from tests.support.script import SLOW, Script
-from tests.support.shells import Said, client, heard, raw, said, served, typed, until
-from tests.support.stand_in import Made, StandIn
+from tests.support.shells import Graph, Said, client, guest, heard, said, served, typed, until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
@@ -62,16 +62,6 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         await heard(person, "Arrived at shelf 3")
         await heard(person, "left out of the queue: 5 (nobody waits for it any more)")
         assert [goal.text for goal in station.queue.waiting] == ["7"]
-
-
-async def test_a_goal_behind_a_stop_that_is_refused_is_said_to_be_held() -> None:
-    driver = Made(StandIn, "driver", "no", goals="drive", moving=False, heeds=False)
-    async with served(driver) as person:
-        assert (await typed("go", "12")).code == 0
-        assert (await typed("stop")).code == 1
-        assert await typed("go", "7") == (0, "", "queued, held: STOP\n")
-        driver.node.heeds = True
-        await heard(person, "called back")
 
 
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
@@ -181,21 +171,6 @@ def test_what_asks_is_answered_at_the_callers_terminal(terminals: list[Terminal]
             assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
 
 
-def test_a_question_about_a_goal_closes_at_the_callers_terminal_once_that_has_ended(
-    terminals: list[Terminal],
-) -> None:
-    with Script(*SLOW) as script:
-        script.ready()
-        script.type("go 12\n")
-        script.until("MOVING to 12")
-        terminal = Terminal("reset", domain=script.domain)
-        terminals.append(terminal)
-        terminal.until("Reset encoder now? [y/N]")
-        script.type("cancel\n")
-        terminal.until("archo-tui: reset: the goal that was asked about has ended")
-        assert terminal.exit_code() == 1
-
-
 async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -217,36 +192,153 @@ async def test_what_a_suspended_shell_publishes_ends_with_no_speed(
         assert speeds[-1] == 0.0
 
 
-def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
-    with Script(*SLOW, fresh=True) as script:
-        script.ready()
-        shell = client("go", "12", "--wait")
-        script.until("MOVING to 12")
-        script.signal(signal.SIGKILL)
-        _, err = shell.communicate(timeout=DEADLINE)
-    assert shell.returncode == 3
-    assert "the console is gone; the robot may still be moving" in err
+ENDS = [  # what is typed, the exit code, and what is said on standard error
+    ("wait battery 100 --timeout 0", 4, "wait: not yet"),
+    ("wait idle --timeout x", 2, "--timeout: not a time in s: x"),
+    ("status --jsn", 2, "status: takes no values (nearest to --jsn: --json)"),
+    ("status --to 1", 3, "no console 1 runs here"),
+    ("pub cmd_vel --rate 0", 2, "pub: --rate: more than 0, at most 100 Hz, not 0\n"),
+    ("wait idle", 0, "idle"),
+    ("wait ready", 0, "ready"),
+    ("wait battery 10", 0, "8"),  # And some tenths less on a slow machine.
+    ("go 3 --follow", 2, "go has no --follow: events and echo have it"),
+    ("events --once", 2, "events has no --once: echo has it"),
+    ("reset --wait", 2, "reset has no --wait: it sends no goals"),
+    ("wait idle --wait", 2, "wait has no --wait: it sends no goals"),
+    ("events 3 --follow", 2, "only events can be followed, without further words"),
+    ("chek x.py", 2, "no command 'chek' (nearest: check)\n"),
+]
 
 
-@pytest.mark.parametrize("how", ["--wait", "killed"])
-async def test_a_goal_that_is_taken_late_is_cancelled(how: str, unlimited: Path) -> None:
-    made: list[Hesitant] = []
-    async with served(making(made, Hesitant), robot=unlimited) as person:
-        robot = person.station.robot
+async def test_the_exit_code_says_how_it_ended_and_misuse_sends_nothing() -> None:
+    async with served(ros_args=FAST) as person:
+        for words, code, why in ENDS:
+            told = await typed(*words.split())
+            assert (told.code, told.out) == (code, ""), words
+            assert why in told.err, words
+        assert person.station.robot.snapshot.goal is None
+        for verb in ("go", "cancel", "status", "echo"):  # As without a console.
+            assert (await typed(verb, "--help")).out == f"{helps()[verb]}\n"
 
-        def phase() -> Phase | None:
-            goal = robot.snapshot.goal
-            return None if goal is None else goal.phase
 
-        await until(lambda: "move_to_shelf" in robot.snapshot.offered)
-        if how == "killed":
-            program = await raw()
-            program.send({"id": 1, "words": ["go", "12"], "wait": True})
-            await until(lambda: made[0].seen)
-            program.close()
-        else:
-            told = await typed("go", "12", *how.split())
-            assert (told.code, "the goal may be running" in told.err) == (1, True)
-        await until(lambda: "go to shelf 12: no answer in 2 s" in person.said)
-        made[0].answer()
-        await until(lambda: phase() == Phase.CANCELLED)
+async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -> None:
+    async with served(ros_args=LONG) as person:
+        station = person.station
+        told = await typed("go", "12", "7", "--wait", "--timeout", "0.5")
+        assert (told.code, told.err) == (
+            4,
+            "accepted\narcho-tui: go: not within 0.5 s: Cancelled mid-route\n",
+        )
+        assert station.robot.snapshot.running_goal is None
+        assert not station.queue.waiting
+        assert (await typed("events", "--follow", "--timeout", "0.2")).code == 4
+        assert (await typed("wait", "battery", "100", "--timeout", "0.2")).code == 4
+        assert (await typed("stop", "--timeout", "0")).code == 0
+        await heard(person, "STOP: confirmed")
+
+
+NOBODY = "no console runs here"
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (
+            "go 12",
+            3,
+            f"archo-tui: {NOBODY}: start archo-tui, or archo-tui --plain; "
+            "ARCHO_TUI_SOCKETS is set: only /",
+        ),
+        ("release", 3, f"archo-tui: {NOBODY}"),
+        ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
+        ("relaese", 2, f"archo-tui: no command 'relaese' (nearest: release), and {NOBODY}"),
+        ("go 12 --line", 2, "archo-tui: go has no --line: status has it"),
+        ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
+        ("stop", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
+        ("stop;", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
+    ],
+)
+def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> None:
+    told = said(*words.split())
+    assert (told.code, told.out) == (code, "")
+    assert told.err.startswith(text)
+    assert told.err.count("\n") == 1
+    as_json = said(*words.split(), "--json")
+    (line,) = as_json.out.splitlines()
+    assert json.loads(line)["code"] == ("misuse" if code == 2 else "unreached")
+    assert json.loads(line)["text"]
+    assert (as_json.code, as_json.err) == (code, "")
+
+
+def test_without_a_console_every_verb_has_its_help() -> None:
+    for verb in verbs_of_file().values():
+        told = said(verb.id, "--help")
+        assert (told.code, told.err) == (0, "")
+        assert told.out.startswith(f"{verb.help_line}\n\noptions:\n")
+        assert ("--wait" in told.out, "--yes" in told.out) == (
+            verb.has_goals,
+            verb.may_ask,
+        ) or verb.id == "stop"
+
+
+async def test_a_question_ends_with_a_no_with_its_time_and_with_whoever_was_asked() -> None:
+    async with served(ros_args=FAST), guest() as client:
+        await typed("stop")
+        for timeout, says, code, text in (
+            (DEADLINE, {"answer": False}, "cancelled", "stay stopped"),
+            (0.1, {}, "ran_out", "not within 0.1 s: nobody has answered"),
+            (None, {"give_up": True}, "cancelled", "stay stopped"),
+        ):
+            release = {"id": 1, "words": ["release"], "person": True, "timeout": timeout}
+            client.send(release)
+            asked = await client.line()
+            assert ("Release the stop?" in asked["ask"], asked["go"]) == (True, "Release")
+            if says:
+                client.send(says)
+            result = await client.result()
+            assert (result["code"], result["text"]) == (code, text)
+        assert (await client.ask("release", "--yes"))["code"] == "done"  # Nothing was released.
+
+
+@pytest.mark.parametrize("wrong", ["--bogus", "--engine ros3", "--only", "--ros-args -p a:=b --"])
+def test_with_json_an_option_that_is_wrong_is_one_object_too(
+    wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*wrong.split(), "status", "--json"]) == 2
+    out, err = capsys.readouterr()
+    assert (json.loads(out)["code"], err) == ("misuse", "")
+
+
+def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixture[str]) -> None:
+    def attach() -> Any:
+        raise ArchoError("ROS 2 was not found")
+
+    assert shell.run(["stop", "--json"], (), attach, {"engine": "ros2"}) == 2
+    assert json.loads(capsys.readouterr().out) == {"code": "misuse", "text": "ROS 2 was not found"}
+
+
+@pytest.mark.parametrize(
+    ("words", "variable", "reaches"),
+    [
+        ("stop", "", True),
+        ("stop;", "4711", True),
+        ("-- stop", "", True),
+        ("! stop now", "", True),
+        ("stop --to 4711", "", False),
+        ("cancel", "", True),
+        ("cancel", "4711", False),
+        ("cancel --to 4711", "", False),
+        ("cancel --help", "", False),
+    ],
+)
+def test_the_graph_is_attached_to_where_no_console_is_named(
+    words: str, variable: str, reaches: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(find.CHOSEN, variable)
+    graph = Graph()
+    meant = {"engine": "ros2", "domain": 5}
+    code = shell.run(words.split(), (), graph.attach, meant, helps)
+    assert bool(graph.asked) == reaches
+    if "stop" in words and reaches:
+        assert graph.asked == [["stop"]]
+    assert code == (0 if reaches or "--help" in words else 3)

@@ -7,8 +7,9 @@ import json
 import signal
 import socket
 import threading
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -26,18 +27,7 @@ from archo_tui.console import socket as server
 from tests.assistant.support import FakeConsole, fake_console, listening
 from tests.support.night import corners
 from tests.support.script import SLOW, Script
-from tests.support.shells import (
-    Graph,
-    client,
-    heard,
-    own_socket,
-    raw,
-    reached,
-    said,
-    served,
-    typed,
-    until,
-)
+from tests.support.shells import Graph, client, heard, reached, said, served, typed, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -67,12 +57,8 @@ async def answering(namespace: str, pid: int = 7, **more: Any) -> AsyncIterator[
 # mouths: each ends with an exit code, or as an assistant's tool does
 
 
-def by_shell() -> int:
-    return said("status").code
-
-
-def stop_by_shell() -> int:
-    return said("stop").code
+def by_shell(verb: str = "status") -> int:
+    return said(verb).code
 
 
 def by_python() -> int:
@@ -87,7 +73,7 @@ def by_consoles() -> int:
     return print_consoles(as_json=False)
 
 
-def asked_of(tool: str) -> int:
+def by_assistant(tool: str = "status") -> int:
     async def ask() -> bool:
         link = ConsoleConnection("")
         try:
@@ -98,16 +84,10 @@ def asked_of(tool: str) -> int:
     return 3 if asyncio.run(ask()) else 0
 
 
-def by_assistant() -> int:
-    return asked_of("status")
-
-
-def stop_by_assistant() -> int:
-    return asked_of("stop")
-
-
-VERBS = (by_shell, by_python, by_assistant)
-STOPS = (stop_by_shell, stop_by_assistant)
+stop_by_shell = partial(by_shell, "stop")
+Mouth = Callable[[], int]
+VERBS: tuple[Mouth, ...] = (by_shell, by_python, by_assistant)
+STOPS: tuple[Mouth, ...] = (stop_by_shell, partial(by_assistant, "stop"))
 MOUTHS = (*VERBS, *STOPS, by_consoles)
 
 
@@ -145,7 +125,7 @@ async def test_a_console_is_found_in_every_environment_by_every_mouth(
         monkeypatch.chdir(Path(odd) / "elsewhere")
         chosen(monkeypatch, Path(odd), WHERE[where][1])
         for mouth in MOUTHS:
-            assert await asyncio.to_thread(mouth) == 0, (where, mouth.__name__)
+            assert await asyncio.to_thread(mouth) == 0, (where, mouth)
         assert console.words() == [["status"], ["status"], ["stop"], ["stop"]]
         await entered.__aexit__(None, None, None)
         assert sockets.socket_paths() == []
@@ -189,7 +169,7 @@ async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
     killed.close()
     for mouths, code in zip((VERBS, STOPS, (by_consoles,)), codes, strict=True):
         for mouth in mouths:
-            assert await asyncio.to_thread(mouth) == code, (state, mouth.__name__)
+            assert await asyncio.to_thread(mouth) == code, (state, mouth)
     reached = ["status", "status"] if codes[0] == 0 else []
     assert not [path for path in sockets.socket_paths() if "gone" in path]
     for console in running:
@@ -298,18 +278,6 @@ async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None
         assert (await typed("status", "--to", "1")).code == 0
         assert north.words() == [["stop"], ["status"]]
         assert south.words() == [["status"], ["stop"]]
-
-
-async def test_a_name_that_another_console_has_is_not_taken() -> None:
-    with listening("/") as (made, hello):
-        (path,) = sockets.socket_paths()
-        assert sockets.read_card(path) == hello
-        with pytest.raises(FileExistsError):
-            server.open_socket(hello)
-        connected = reached(path)
-        made.setblocking(True)
-        made.accept()[0].close()
-        connected.close()
 
 
 async def test_an_engine_and_a_domain_that_are_named_choose() -> None:
@@ -421,27 +389,6 @@ async def test_a_stop_of_a_client_that_has_gone_is_carried_out() -> None:
                 gone.send(STOP)
         await until(lambda: stops.count == len(SENT) + 50)
         await heard(person, "STOP: confirmed")
-
-
-async def test_a_stop_behind_what_cannot_be_answered_is_read(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(server, "_CHUNK", 32)
-    async with served() as person:
-        gone = reached()
-        await asyncio.to_thread(gone.setblocking, True)
-        assert await asyncio.to_thread(gone.recv, 65536)  # its hello
-        with held():
-            gone.send(STATUS_LINE + b"\n" * 10_000 + STOP)  # a while between the first and the last
-            gone.close()
-        await heard(person, "STOP: confirmed")
-
-
-async def test_the_card_of_a_console_is_its_hello() -> None:
-    async with served():
-        one = await raw()
-        assert await one.line() == sockets.read_card(own_socket())
-        one.close()
 
 
 # processes

@@ -1,20 +1,15 @@
-"""Rules 5 and 8: timers, callback groups, exceptions, futures, tasks and coroutines."""
+"""Rules 5 and 8: timers, also of simulated time, callback groups, futures, tasks, coroutines."""
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import functools
 import threading
-import warnings
-from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 
 import pytest
-from archo_interfaces.action import MoveToShelf
-from rclpy.action import ActionClient, ActionServer
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.executors import (
     Executor,
     ExternalShutdownException,
@@ -23,9 +18,12 @@ from rclpy.executors import (
     SingleThreadedExecutor,
     TimeoutException,
 )
+from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.task import Future
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock as ClockMsg
 from std_msgs.msg import Int32
-from std_srvs.srv import Trigger
 
 from tests.support.clock import pass_time, release, seconds, stuck
 from tests.support.ros import Ros
@@ -80,20 +78,6 @@ def test_a_canceled_timer_rests_until_reset(ros: Ros) -> None:
     wait_until(lambda: ticks)
 
 
-def test_a_new_period_counts_from_reset(ros: Ros) -> None:
-    node = ros.node()
-    ticks: list[int] = []
-    timer = node.create_timer(1000.0, lambda: ticks.append(1))
-    executor = ros.spin(node)
-
-    def faster() -> None:
-        timer.timer_period_ns = 10_000_000
-        timer.reset()
-
-    executor.create_task(faster)
-    wait_until(lambda: len(ticks) >= 2)
-
-
 @pytest.mark.parametrize(
     ("group", "at_once"),
     [(lambda: None, 1), (MutuallyExclusiveCallbackGroup, 1), (ReentrantCallbackGroup, 2)],
@@ -145,10 +129,14 @@ def test_an_exception_leaves_spin_and_nobody_elses(ros: Ros, is_coroutine: bool)
     wait_until(lambda: len(ticks) > seen)
 
 
-def test_shutting_the_context_down_ends_spin(ros: Ros) -> None:
-    node = ros.node()
-    executor = ros.executor(node)
-    ended: list[object] = []
+@pytest.mark.parametrize(
+    ("kind", "ends"),
+    [(SingleThreadedExecutor, ["returned", "raised"]), (MultiThreadedExecutor, ["returned"])],
+)
+def test_shutting_the_context_down_ends_spin(kind: Any, ends: list[str], ros: Ros) -> None:
+    executor = kind(context=ros.context)
+    executor.add_node(ros.node())
+    ended: list[str] = []
 
     def spin() -> None:
         try:
@@ -161,7 +149,8 @@ def test_shutting_the_context_down_ends_spin(ros: Ros) -> None:
     thread.start()
     ros.context.shutdown()
     thread.join(10)
-    assert ended in (["returned"], ["raised"])
+    assert [end in ends for end in ended] == [True]
+    executor.shutdown()
 
 
 def test_spin_until_future_complete(ros: Ros) -> None:
@@ -191,15 +180,6 @@ def test_a_task_returns_its_value_and_awaits_futures(ros: Ros) -> None:
     future.set_result("it")
     executor.wake()  # a waiting executor does not notice a future by itself
     assert ros.result(task) == "got it"
-
-
-def test_tasks_begin_in_the_order_in_which_they_were_given(ros: Ros) -> None:
-    executor = ros.executor()
-    begun: list[int] = []
-    for number in range(5):
-        executor.create_task(begun.append, number)
-    ros.spin_here(executor, lambda: len(begun) == 5)
-    assert begun == [0, 1, 2, 3, 4]
 
 
 def test_a_future_has_one_of_three_ends() -> None:
@@ -255,85 +235,6 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
     assert ran == ["kept"]
 
 
-def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> None:
-    nodes = ros.node("first"), ros.node("second")
-    executor = ros.executor()
-    ran: list[str] = []
-    for node in nodes:
-        node.create_timer(0.01, partial(ran.append, node.get_name()))
-        executor.add_node(node)
-    pass_time(0.05)  # both are due
-    executor.spin_once(1.0)
-    (first,) = ran
-    executor.remove_node(next(node for node in nodes if node.get_name() != first))
-    for _ in range(3):
-        executor.spin_once(0.05)
-    assert set(ran) == {first}
-
-
-def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_services(
-    ros: Ros,
-) -> None:
-    node, other = ros.node("busy"), ros.node("other")
-    ran: list[str] = []
-    group = ReentrantCallbackGroup()
-
-    def heard(name: str) -> Any:
-        return lambda _: ran.append(name)
-
-    def serve(_: Any, response: Trigger.Response) -> Trigger.Response:
-        ran.append("service")
-        return response
-
-    node.create_service(Trigger, "call", serve)
-    for name in ("x", "y"):
-        node.create_subscription(Int32, name, heard(name), 10, callback_group=group)
-    node.create_timer(1.0, lambda: ran.append("timer"), callback_group=group)
-    publishers = {name: other.create_publisher(Int32, name, 10) for name in ("x", "y")}
-    client = other.create_client(Trigger, "call")
-    wait_until(lambda: all(p.get_subscription_count() == 1 for p in publishers.values()))
-    assert client.wait_for_service(10.0)
-    executor = ros.executor(node)
-    for name in "xxxy":
-        publishers[name].publish(Int32())
-    client.call_async(Trigger.Request())
-    pass_time(1.1)
-    executor.create_task(lambda: ran.append("task"))
-    while len(ran) < 7:
-        executor.spin_once(1.0)
-    assert ran == ["task", "timer", "x", "y", "service", "x", "x"]
-
-
-def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them(ros: Ros) -> None:
-    node, other = ros.node("busy"), ros.node("other")
-    publisher, ran = ros.topic(Int32, other, node, qos=100)
-    executor = ros.executor(node)
-    for _ in range(100):
-        publisher.publish(Int32())
-    pass_time(0.2)
-    executor.spin_once(1.0)
-    executor.create_task(lambda: ran.append("task"))
-    executor.spin_once(1.0)
-    executor.spin_once(1.0)
-    assert ran == [Int32(), "task", Int32()]
-
-
-def test_after_a_rest_tasks_come_first_again(ros: Ros) -> None:
-    node, other = ros.node("rested"), ros.node("other")
-    publisher, ran = ros.topic(Int32, other, node)
-    executor = ros.executor(node)
-    for _ in range(2):
-        executor.create_task(lambda: ran.append("task"))
-        executor.spin_once(1.0)
-        executor.spin_once(0.05)  # nothing to do
-        publisher.publish(Int32())
-        pass_time(0.2)
-        executor.create_task(lambda: ran.append("task"))
-        executor.spin_once(1.0)
-        executor.spin_once(1.0)
-    assert ran == ["task", "task", Int32()] * 2
-
-
 class Alternating(Executor):
     """An executor of one's own: notes for which node it was asked, and does the work."""
 
@@ -367,217 +268,75 @@ def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
         executor.wait_for_ready_callbacks()
 
 
-def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
-    executor = ros.executor()
-
-    async def answer() -> int:
-        return 42
-
-    task = executor.create_task(answer())  # type: ignore[arg-type]
-    executor.spin_until_future_complete(task, 10.0)
-    assert task.result() == 42
+SIMULATED: Parameter[bool] = Parameter("use_sim_time", value=True)
 
 
-@pytest.mark.real_time
-def test_of_one_thread_a_callback_that_waits_for_the_next_waits_for_ever(ros: Ros) -> None:
-    node = ros.node()
-    both = threading.Barrier(2)
-    met: list[bool] = []
+class Simulation:
+    """A node in simulated time, and the hand that moves the time."""
 
-    def meet() -> None:
-        with contextlib.suppress(threading.BrokenBarrierError):
-            both.wait(0.2)
-            met.append(True)
+    def __init__(self, ros: Ros) -> None:
+        self.node = ros.node("simulated", parameter_overrides=[SIMULATED])
+        self.clock: Any = self.node.get_clock()
+        self.executor = SingleThreadedExecutor(context=ros.context)
+        self.executor.add_node(self.node)
+        self._publisher = self.node.create_publisher(ClockMsg, "/clock", 1)
+        wait_until(lambda: self._publisher.get_subscription_count() == 1)
 
-    for _ in range(2):
-        node.create_timer(0.01, meet, ReentrantCallbackGroup())
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rclpy warns of it.
-        executor = MultiThreadedExecutor(1, context=ros.context)
-    executor.add_node(node)
-    for _ in range(4):
-        executor.spin_once(1.0)
-    executor.shutdown()
-    assert met == []
+    def at(self, seconds: float) -> bool:
+        """It is that time now; everything that is due has been done."""
+        message = ClockMsg()
+        message.clock.sec, part = divmod(int(seconds * 1e9), 10**9)
+        message.clock.nanosec = part
+        self._publisher.publish(message)
+        wanted = int(seconds * 1e9)
+        wait_until(lambda: self.spin() or self.clock.now().nanoseconds == wanted)
+        for _ in range(5):
+            self.spin()
+        return False
 
-
-def test_a_shutdown_ends_a_spin_of_several_threads_without_an_exception(ros: Ros) -> None:
-    executor = MultiThreadedExecutor(2, context=ros.context)
-    executor.add_node(ros.node())
-    ended: list[bool] = []
-
-    def spin() -> None:
-        executor.spin()
-        ended.append(True)
-
-    thread = threading.Thread(target=spin, name="spin")
-    thread.start()
-    ros.context.try_shutdown()
-    thread.join(30)
-    assert ended == [True]
-    executor.shutdown()
-
-
-def test_an_executor_of_ones_own_has_no_spin_but_its_own(ros: Ros) -> None:
-    executor = Executor(context=ros.context)
-    with pytest.raises(NotImplementedError):
-        executor.spin_once(0)
-    with pytest.raises(NotImplementedError):
-        executor.spin_once_until_future_complete(Future(), 0)
-    executor.shutdown()
-
-
-def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
-    executor = ros.executor()
-    node = ros.node()
-    executor.add_node(node)
-    node.create_timer(0.01, None)  # type: ignore[arg-type]
-    with pytest.raises(UnboundLocalError, match="arg_name"):
-        executor.spin_once(5.0)
+    def spin(self) -> bool:
+        self.executor.spin_once(timeout_sec=0.01)
+        return False
 
 
 @pytest.fixture
-def forgotten() -> Iterator[Callable[[Any], Any]]:
-    """Hands a coroutine on that nobody will await; Python is not to complain of it."""
-    coroutines: list[Any] = []
-
-    def forget(coroutine: Any) -> Any:
-        coroutines.append(coroutine)
-        return coroutine
-
-    yield forget
-    for coroutine in coroutines:
-        coroutine.close()
+def simulation(ros: Ros) -> Simulation:
+    return Simulation(ros)
 
 
-def _telling(*distances: float) -> Callable[[Any], Any]:
-    """An execute callback whose goals give this feedback in one go and succeed."""
-
-    def execute(goal: Any) -> Any:
-        for distance in distances:
-            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=distance))
-        goal.succeed()
-        return MoveToShelf.Result()
-
-    return execute
-
-
-def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_not(
-    ros: Ros, forgotten: Callable[[Any], Any]
+def test_without_a_clock_message_it_is_zero_and_ros_timers_stand_still(
+    simulation: Simulation,
 ) -> None:
-    node = ros.node()
-    heard: list[str] = []
-
-    async def hear(how: str, _: Any = None) -> None:
-        heard.append(how)
-
-    node.create_subscription(Int32, "a", functools.partial(hear, "partial"), 10)
-    node.create_subscription(Int32, "a", lambda message: forgotten(hear("lambda")), 10)
-    node.create_timer(0.01, functools.partial(hear, "timer"))
-    node.create_timer(0.01, lambda: forgotten(hear("lambda of a timer")))
-    node.create_publisher(Int32, "a", 10).publish(Int32())
-    executor = ros.executor(node)
-    while not {"partial", "timer"} <= set(heard):
-        executor.spin_once(10.0)
-    for _ in range(8):
-        executor.spin_once(0.01)
-    assert set(heard) == {"partial", "timer"}
+    ticks: list[str] = []
+    node = simulation.node
+    node.create_timer(0.01, lambda: ticks.append("ros"))
+    steady = Clock(clock_type=ClockType.STEADY_TIME)
+    node.create_timer(0.01, lambda: ticks.append("steady"), clock=steady)
+    wait_until(lambda: simulation.spin() or ticks.count("steady") >= 3)
+    assert simulation.clock.ros_time_is_active
+    assert simulation.clock.now() == Time(clock_type=ClockType.ROS_TIME)
+    assert "ros" not in ticks
 
 
-def test_a_service_that_returns_a_coroutine_without_async_answers_with_an_error(
-    ros: Ros, forgotten: Callable[[Any], Any]
+def test_timers_follow_the_clock_skip_what_was_missed_and_survive_a_jump_back(
+    simulation: Simulation,
 ) -> None:
-    async def answer(response: Any) -> Any:
-        return response
-
-    node = ros.node()
-    node.create_service(Trigger, "t", lambda request, response: forgotten(answer(response)))
-    future = node.create_client(Trigger, "t").call_async(Trigger.Request())
-    executor = ros.executor(node)
-    with pytest.raises(TypeError):
-        executor.spin_until_future_complete(future, 10.0)
-
-
-def test_feedback_is_awaited_by_an_async_callback(ros: Ros) -> None:
-    heard: list[float] = []
-
-    async def hear(message: Any) -> None:
-        heard.append(message.feedback.distance_remaining)
-
-    node = ros.node()
-    executor = ros.executor(node)
-    server = ActionServer(node, MoveToShelf, "move", _telling(3.0))
-    client = ActionClient(node, MoveToShelf, "move")
-    goal = client.send_goal_async(MoveToShelf.Goal(), feedback_callback=hear)
-    executor.spin_until_future_complete(goal, 10.0)
-    while not heard:
-        executor.spin_once(10.0)
-    assert heard == [3.0]
-    client.destroy()
-    server.destroy()
+    ticks: list[float] = []
+    now = simulation.clock.now
+    timer = simulation.node.create_timer(1.0, lambda: ticks.append(now().nanoseconds / 1e9))
+    for second in (0.5, 0.75, 1.0, 1.5, 3.75, 4.25):
+        simulation.at(second)
+    assert ticks == [1.0, 3.75, 4.25]
+    assert timer.time_until_next_call() == 750_000_000
+    simulation.at(2.0)
+    assert timer.time_until_next_call() == 1_000_000_000
+    for second in (2.5, 3.0):
+        simulation.at(second)
+    assert ticks == [1.0, 3.75, 4.25, 3.0]
 
 
-def test_what_a_plain_function_returns_is_the_tasks_value(
-    ros: Ros, forgotten: Callable[[Any], Any]
-) -> None:
-    async def answer() -> int:
-        return 42
-
-    executor = ros.executor()
-    task = executor.create_task(lambda: forgotten(answer()))
-    executor.spin_once(0)
-    assert task.result().__name__ == "answer"
-    with pytest.raises(TypeError):
-        executor.create_task(answer, 1)  # at once: the coroutine is made here
-
-
-def test_a_task_that_waits_does_not_execute_and_is_closed_when_it_is_cancelled(
-    ros: Ros,
-) -> None:
-    never: Future[None] = Future()
-    closed: list[bool] = []
-
-    async def wait() -> None:
-        try:
-            await never
-        finally:
-            closed.append(True)
-
-    executor = ros.executor()
-    task = executor.create_task(wait)
-    executor.spin_once(0)
-    assert not task.executing()
-    task.cancel()
-    assert closed == [True]
-    assert task.cancelled()
-    assert not task.done()
-
-
-def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture[str]) -> None:
-    for looked_at in (False, True):
-        future: Future[None] = Future()
-        future.set_exception(ValueError(f"looked at: {looked_at}"))
-        if looked_at:
-            future.exception()
-        del future
-    said = capfd.readouterr().err
-    assert said == "The following exception was never retrieved: looked at: False\n"
-
-
-def test_a_future_can_be_awaited_in_asyncio_while_its_loop_spins_the_node(ros: Ros) -> None:
-    node = ros.node()
-    node.create_service(Trigger, "t", lambda request, response: response)
-    client = node.create_client(Trigger, "t")
-    executor = ros.executor(node)
-
-    async def ask() -> Any:
-        return await client.call_async(Trigger.Request())
-
-    async def both() -> Any:
-        asking = asyncio.ensure_future(ask())
-        while not asking.done():
-            executor.spin_once(timeout_sec=0.01)
-            await asyncio.sleep(0)
-        return await asking
-
-    assert isinstance(asyncio.run(both()), Trigger.Response)
+def test_something_besides_a_bool_is_refused(ros: Ros) -> None:
+    node: Node = ros.node()
+    result = node.set_parameters([Parameter("use_sim_time", value=3)])[0]
+    assert not result.successful
+    assert not node.get_clock().ros_time_is_active

@@ -1,27 +1,26 @@
-"""The small things that ordinary nodes use: what can be read, written and called of them."""
+"""The small things that ordinary nodes use, their loggers, and what the graph names."""
 
 from __future__ import annotations
 
 import threading
-import warnings
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 import rclpy
-from archo_interfaces.action import MoveToShelf
-from rcl_interfaces.msg import LoggerLevel
+import rclpy.logging
+from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
-from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidHandle, ROSInterruptException
+from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.logging import LoggingSeverity
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
-from std_msgs.msg import Float32MultiArray, Header, Int32
+from std_msgs.msg import Float32, Int32
 from std_srvs.srv import Trigger
 
 from tests.support.ros import Ros
@@ -37,45 +36,6 @@ def test_spinning_once_with_its_own_executor_leaves_the_node_in_it(ros: Ros) -> 
     rclpy.spin_until_future_complete(node, done, executor)
     assert node in executor.get_nodes()
     assert node.executor is executor
-
-
-def test_between_two_spins_a_task_can_be_given_to_the_nodes_executor(ros: Ros) -> None:
-    node, executor = ros.node(), ros.executor()
-    rclpy.spin_once(node, executor=executor, timeout_sec=0.01)
-    ran: list[int] = []
-    assert node.executor is executor
-    node.executor.create_task(lambda: ran.append(1))
-    rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
-    assert ran == [1]
-
-
-def test_many_short_spins_leave_nothing_behind_of_a_timer(ros: Ros) -> None:
-    node, executor = ros.node(), ros.executor()
-    ticks: list[int] = []
-    node.create_timer(0.01, lambda: ticks.append(1))
-    for _ in range(200):
-        rclpy.spin_once(node, executor=executor, timeout_sec=0.0)
-    assert len(getattr(executor, "_timers", ())) <= 1  # the embedded engine's heap
-    ticks.clear()
-    rclpy.spin_once(node, executor=executor, timeout_sec=1.0)
-    assert ticks == [1]
-
-
-def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
-    node, executor = ros.node(), ros.executor()
-    node.executor = executor
-    assert node in executor.get_nodes()
-    node.executor = None
-    assert node not in executor.get_nodes()
-
-
-def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
-    node = ros.node()
-    executor = ros.executor(node)
-    node.create_timer(0.01, lambda: None)
-    future: Future[int] = Future()
-    executor.spin_until_future_complete(future, 0.3)
-    assert len(future._callbacks) <= 1  # none at all on the embedded engine
 
 
 @pytest.mark.real_time
@@ -110,21 +70,6 @@ def test_a_rate_sleeps_from_tick_to_tick_until_the_end(ros: Ros) -> None:
     assert slept[-1] == -1
 
 
-@pytest.mark.real_time
-def test_a_callback_sleeps_by_a_rate_while_another_thread_spins_its_node(ros: Ros) -> None:
-    node = ros.node()
-    rate, slept = node.create_rate(50.0), threading.Event()
-
-    def work() -> None:
-        if not slept.is_set():
-            rate.sleep()
-            slept.set()
-
-    node.create_timer(0.01, work)
-    ros.spin(node, executor=MultiThreadedExecutor(2, context=ros.context))
-    wait_until(slept.is_set)
-
-
 def test_a_clock_sleeps(ros: Ros) -> None:
     node = ros.node()
     clock = node.get_clock()
@@ -140,27 +85,6 @@ def test_parameters_are_found_by_their_prefix(ros: Ros) -> None:
     node.declare_parameter("armature", 3.0)
     found = node.get_parameters_by_prefix("arm")
     assert {name: p.value for name, p in found.items()} == {"left.speed": 1.0, "right": 2.0}
-
-
-def test_a_parameter_of_a_name_only_takes_any_type(ros: Ros) -> None:
-    node = ros.node()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rclpy says that this is deprecated.
-        node.declare_parameter("any")
-    for value in (1, "two"):
-        (result,) = node.set_parameters([Parameter("any", value=value)])
-        assert result.successful
-
-
-def test_what_is_not_declared_may_be_described_where_that_is_allowed(ros: Ros) -> None:
-    node = ros.node(allow_undeclared_parameters=True)
-    assert node.describe_parameter("nothing").name == ""
-
-
-def test_a_nodes_publishers_are_those_that_it_made_and_its_parameters(ros: Ros) -> None:
-    node = ros.node()
-    node.create_publisher(Int32, "topic", 1)
-    assert sorted(p.topic_name for p in node.publishers) == ["/parameter_events", "/topic"]
 
 
 def test_init_returns_what_ends_it_again() -> None:
@@ -218,105 +142,110 @@ def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
     quiet.close()
 
 
-DESCRIBES_TYPES = "start_type_description_service"
-
-
-@pytest.fixture
-def made(ros: Ros) -> dict[str, Any]:
-    """One of each that a node makes."""
-    node = ros.node()
-    return {
-        "publisher": node.create_publisher(Int32, "a", 10),
-        "subscription": node.create_subscription(Int32, "a", lambda _: None, 10),
-        "service": node.create_service(Trigger, "s", lambda request, response: response),
-        "client": node.create_client(Trigger, "s"),
-        "timer": node.create_timer(1.0, lambda: None),
-    }
-
-
-def test_what_the_graph_knows_is_read_only(made: dict[str, Any]) -> None:
-    for what, names in {
-        "publisher": "topic_name logger_name",
-        "subscription": "topic_name logger_name",
-        "service": "service_name logger_name",
-        "client": "service_name logger_name",
-        "timer": "clock",
-    }.items():
-        for name in names.split():
-            with pytest.raises(AttributeError):
-                setattr(made[what], name, None)
-
-
-def test_what_was_destroyed_has_no_name_on_the_graph(made: dict[str, Any]) -> None:
-    for what, name in (("publisher", "topic_name"), ("client", "service_name")):
-        made[what].destroy()
-        with pytest.raises(InvalidHandle):
-            getattr(made[what], name)
-
-
-def test_a_client_knows_its_requests_that_wait(ros: Ros) -> None:
-    node = ros.node()
-    client = node.create_client(Trigger, "s")
-    assert client.context is ros.context
-    future = client.call_async(Trigger.Request())
-    future.cancel()
-    assert future.cancelled()
-
-
-def test_a_negative_wait_for_others_is_over_at_once(ros: Ros) -> None:
-    node = ros.node()
-    mover = ActionClient(node, MoveToShelf, "move")
-    for waits in (
-        node.create_client(Trigger, "s").wait_for_service,
-        AsyncParameterClient(node, "nobody").wait_for_services,
-        mover.wait_for_server,
-    ):
-        assert waits(-1.0) is False
-    mover.destroy()
-
-
-def test_an_answer_goes_to_the_header_of_a_request(made: dict[str, Any]) -> None:
-    with pytest.raises(TypeError):
-        made["service"].send_response(Trigger.Response(), 3)
-
-
-def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
-    called: list[str] = []
-    ros.context.on_shutdown(lambda: called.append("then"))
-    ros.context.try_shutdown()
-    assert called == ["then"]
-    ros.context.on_shutdown(lambda: called.append("late"))
-    assert called == ["then", "late"]
-
-
 def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() -> None:
     assert remove_ros_args(["x", "--ros-args", "-r", "a:=b", "--", "y"]) == ["x", "y"]
     with pytest.raises(RuntimeError, match="--bad"):
         remove_ros_args(["x", "--ros-args", "--bad"])
 
 
-def test_numbers_are_converted_when_an_array_is_made() -> None:
-    message = Float32MultiArray(data=[1, 2])
-    assert message.data.tolist() == [1.0, 2.0]
-    assert Float32MultiArray(data=map(float, "12")) == message
-    with pytest.raises(AssertionError, match="each value of type 'float'"):
-        message.data = ["x"]
-    with pytest.raises((AssertionError, TypeError)):
-        Float32MultiArray(data=["x"])
+def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:
+    lines: list[Log] = []
+    ros.spun("listener").create_subscription(Log, "/rosout", lines.append, 50)
+    node = ros.node("talker", namespace="/ns")
+    wait_until(lambda: node.count_subscribers("/rosout") == 1)
+    node.get_logger().debug("not shown")
+    node.get_logger().info("shown")
+    node.get_logger().get_child("part").warning("too")
+    node.get_logger().info(None)
+
+    def mine() -> list[Log]:
+        return [line for line in [*lines] if line.name.startswith("ns.talker")]
+
+    wait_until(lambda: len(mine()) == 3)
+    first, second, none = mine()
+    assert none.msg in ("None", "(null)")  # As C writes it.
+    assert (first.name, first.level, first.msg) == ("ns.talker", 20, "shown")
+    assert (second.name, second.level, second.msg) == ("ns.talker.part", 30, "too")
+    assert first.function == "test_log_lines_are_published_with_level_name_and_place"
+    assert first.stamp.sec > 0
 
 
-def test_a_message_within_a_message_is_asked_for_by_its_name() -> None:
-    with pytest.raises(AssertionError, match="must be a sub message of type 'Time'"):
-        Header(stamp=3)  # type: ignore[arg-type]
-
-
-def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
-    node = ros.node()
-    assert node.list_parameters([], 0).names == [
-        "use_sim_time",
-        DESCRIBES_TYPES,
+def test_filters_thin_lines_out(ros: Ros) -> None:
+    logger = ros.node("filters").get_logger()
+    assert [logger.info("once", once=True) for _ in range(3)] == [True, False, False]
+    assert [logger.info("later", skip_first=True) for _ in range(3)] == [False, True, True]
+    assert [logger.info("rare", throttle_duration_sec=60.0) for _ in range(3)] == [
+        True,
+        False,
+        False,
     ]
-    assert node.get_parameter_type(DESCRIBES_TYPES) == 1
-    assert node.describe_parameter(DESCRIBES_TYPES).read_only
-    said: Parameter[bool] = Parameter(DESCRIBES_TYPES, value=False)
-    assert "read-only" in node.set_parameters([said])[0].reason
+
+
+def test_the_graph_names_nodes_topics_and_services(ros: Ros) -> None:
+    one, two = ros.node("one"), ros.node("two", namespace="/ns")
+    one.create_publisher(Float32, "topic", 10)
+    two.create_subscription(Float32, "/topic", lambda message: None, 10)
+    one.create_service(Trigger, "trigger", lambda request, response: response)
+    wait_until(lambda: one.count_subscribers("topic") == 1)
+    wait_until(lambda: set(two.get_node_names_and_namespaces()) == {("one", "/"), ("two", "/ns")})
+    assert ("/topic", ["std_msgs/msg/Float32"]) in two.get_topic_names_and_types()
+    assert ("/trigger", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types()
+    info = two.get_publishers_info_by_topic("/topic")[0]
+    assert (info.node_name, info.node_namespace, info.topic_type) == (
+        "one",
+        "/",
+        "std_msgs/msg/Float32",
+    )
+    assert ("/trigger", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types_by_node(
+        "one", "/"
+    )
+    assert ("/topic", ["std_msgs/msg/Float32"]) in two.get_publisher_names_and_types_by_node(
+        "one", "/"
+    )
+    with pytest.raises(RuntimeError):
+        two.get_service_names_and_types_by_node("nobody", "/")
+
+
+def test_a_destroyed_node_is_off_the_graph(ros: Ros) -> None:
+    one, two = ros.node("one"), ros.node("two")
+    one.create_service(Trigger, "trigger", lambda request, response: response)
+    wait_until(lambda: "one" in two.get_node_names())
+    one.destroy_node()
+    wait_until(lambda: "one" not in two.get_node_names())
+    assert two.count_services("trigger") == 0
+
+
+UNSET, DEBUG, INFO, WARN, ERROR, FATAL = LoggingSeverity
+ROOT = ""
+
+
+@pytest.fixture
+def logger(ros: Ros) -> Iterator[Any]:  # within a context: only then are lines not printed
+    before = rclpy.logging.get_logger_effective_level(ROOT)
+    yield rclpy.logging.get_logger("workshop")
+    rclpy.logging.set_logger_level(ROOT, before)
+    for name in ("workshop", "workshop.bench"):
+        rclpy.logging.set_logger_level(name, UNSET)
+
+
+@pytest.mark.parametrize("level", LoggingSeverity)
+def test_the_roots_level_is_that_of_all_that_have_none(
+    logger: RcutilsLogger, level: LoggingSeverity
+) -> None:
+    rclpy.logging.set_logger_level(ROOT, level)
+    assert rclpy.logging.get_logger_level(ROOT) == level
+    assert rclpy.logging.get_logger_effective_level(ROOT) == level
+    assert logger.get_effective_level() == level
+    assert logger.is_enabled_for(DEBUG) == (level <= DEBUG)
+    assert rclpy.logging.get_logger_level("workshop") == UNSET
+
+
+def test_children_inherit_until_they_have_a_level(logger: RcutilsLogger) -> None:
+    child = logger.get_child("bench")
+    assert child.name == "workshop.bench"
+    logger.set_level(ERROR)
+    assert child.get_effective_level() == ERROR
+    child.set_level(DEBUG)
+    assert (child.get_effective_level(), logger.get_effective_level()) == (DEBUG, ERROR)
+    child.set_level(UNSET)
+    assert child.get_effective_level() == ERROR

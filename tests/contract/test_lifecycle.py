@@ -7,12 +7,7 @@ from typing import Any
 
 import pytest
 from lifecycle_msgs.msg import Transition, TransitionEvent
-from lifecycle_msgs.srv import (
-    ChangeState,
-    GetAvailableStates,
-    GetAvailableTransitions,
-    GetState,
-)
+from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions, GetState
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Int32
 
@@ -184,12 +179,6 @@ def test_a_transition_that_does_not_start_here_is_answered_so(ros: Ros, transiti
     request = ChangeState.Request(transition=Transition(id=transition))
     assert not ros.result(client.call_async(request)).success
     assert at(told) == "unconfigured"
-
-
-def test_without_its_interface_a_node_offers_nothing(ros: Ros) -> None:
-    node = made(ros, enable_communication_interface=False)
-    assert not [name for name, _ in node.get_service_names_and_types() if "state" in name]
-    assert go(node, "configure") == [(SUCCESS, "inactive")]
 
 
 def test_a_lifecycle_publisher_is_silent_unless_its_node_is_active(ros: Ros) -> None:

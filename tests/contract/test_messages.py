@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import array
-import copy
 import math
-import pickle
-from collections import UserList, deque
+from collections import deque
 from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import BatteryStatus
 from builtin_interfaces.msg import Time
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    ListParametersResult,
-    Log,
-    Parameter,
-    ParameterDescriptor,
-    ParameterEvent,
-    ParameterValue,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import Log, Parameter, ParameterDescriptor, ParameterEvent, ParameterValue
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import (
     Bool,
@@ -83,18 +72,16 @@ def test_an_unknown_field_is_refused() -> None:
     ("message", "field", "value"),
     [
         (Float32(), "data", 1),
-        (Float32(), "data", "1.0"),
         (Float32(), "data", 1e39),
         (Int32(), "data", 1.0),
         (Int32(), "data", 2**31),
-        (UInt8(), "data", -1),
         (UInt8(), "data", 256),
         (String(), "data", b"bytes"),
         (BatteryStatus(), "is_charging", 1),
-        (SetParametersResult(), "reason", None),
         (ParameterValue(), "string_array_value", [1]),
         (ParameterDescriptor(), "floating_point_range", [1.0]),
         (UUID(), "uuid", [0] * 15),
+        (Header(), "stamp", 3),
     ],
 )
 def test_a_value_of_the_wrong_type_or_range_is_refused(
@@ -110,11 +97,6 @@ def test_nan_infinity_and_bool_for_an_int_are_taken() -> None:
     assert Int32(data=True).data == 1
 
 
-def test_number_arrays_are_kept_as_arrays() -> None:
-    value = ParameterValue(double_array_value=[1.0, 2.0])
-    assert value.double_array_value == array.array("d", [1.0, 2.0])
-
-
 def test_an_interface_names_its_fields_and_types() -> None:
     assert BatteryStatus.get_fields_and_field_types() == {
         "percentage": "float",
@@ -124,11 +106,6 @@ def test_an_interface_names_its_fields_and_types() -> None:
     }
     assert ParameterValue.get_fields_and_field_types()["double_array_value"] == "sequence<double>"
     assert UUID.get_fields_and_field_types() == {"uuid": "uint8[16]"}
-
-
-def test_a_message_that_does_not_exist_is_an_import_error() -> None:
-    with pytest.raises(ImportError):
-        from std_msgs.msg import NoSuchMessage  # type: ignore[attr-defined]  # noqa: F401
 
 
 def test_sender_and_receivers_never_share_a_message(ros: Ros) -> None:
@@ -146,19 +123,6 @@ def test_sender_and_receivers_never_share_a_message(ros: Ros) -> None:
     assert received[0].data == others[0].data == 87.30000305175781  # Rounded on the way.
 
 
-def test_an_array_is_copied_too(ros: Ros) -> None:
-    node = ros.node()
-    publisher, heard = ros.topic(ParameterValue, node)
-    ros.spin(node)
-    sent = array.array("q", [1, 2, 3])
-    message = ParameterValue(integer_array_value=sent)
-    publisher.publish(message)
-    sent[0] = 99
-    message.integer_array_value[1] = 99
-    wait_until(lambda: heard)
-    assert list(heard[0].integer_array_value) == [1, 2, 3]
-
-
 SIXTEEN = list(range(16))
 
 
@@ -168,9 +132,7 @@ SIXTEEN = list(range(16))
         [1, 2],
         (1, 2),
         {1, 2},
-        range(1, 3),
         deque([1, 2]),
-        UserList([1, 2]),
         array.array("i", [1, 2]),
     ],
 )
@@ -183,11 +145,9 @@ def test_a_sequence_or_a_set_is_taken(value: object) -> None:
 @pytest.mark.parametrize(
     "value",
     [
-        {1: 2},
         {1: 2}.values(),
         (number for number in (1, 2)),
         map(int, (1, 2)),
-        "12",
         [1, "2"],
         [1.0],
         [2**40],
@@ -215,50 +175,8 @@ def test_integers_in_an_array_of_floats_are_published_as_floats(ros: Ros) -> Non
     assert [repr(number) for number in received[0].data] == ["0.0", "1.0", "2.0"]
 
 
-def test_an_integer_that_no_float_holds_is_refused_by_an_error() -> None:
-    message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]
-    with pytest.raises((AssertionError, OverflowError), match=r"float|double"):
-        message.data = [1, 10**310]
-    with pytest.raises((AssertionError, OverflowError), match="float"):
-        Float64MultiArray(data=[1, 10**310])
-
-
-def test_an_array_of_another_type_code_is_refused() -> None:
-    for code in "hqd":
-        with pytest.raises(AssertionError, match="must have the type code of 'i'"):
-            Int32MultiArray().data = array.array(code, [1])
-
-
-def test_what_is_wrong_with_an_array_names_its_length_and_its_limits() -> None:
-    with pytest.raises(AssertionError, match=r"\[-2147483648, 2147483647\]"):
-        Int32MultiArray().data = ["x"]
-    with pytest.raises(AssertionError, match="with length <= 1 and each value of type 'Floating"):
-        ParameterDescriptor().floating_point_range = [FloatingPointRange()] * 2
-    with pytest.raises(AssertionError, match="with length 16 and each value of type 'int'"):
-        UUID().uuid = [1] * 15
-
-
-def test_a_list_that_was_assigned_can_be_filled_until_it_is_sent(ros: Ros) -> None:
-    node = ros.node()
-    publisher, heard = ros.topic(ListParametersResult, node)
-    ros.spin(node)
-    names: Any = ["a"]
-    message = ListParametersResult(names=names, prefixes={"c"})  # type: ignore[arg-type]
-    names.append("b")
-    publisher.publish(message)
-    names.append("too late")
-    wait_until(lambda: heard)
-    assert (heard[0].names, heard[0].prefixes) == (["a", "b"], ["c"])
-
-
-def test_messages_with_arrays_of_a_fixed_size_are_compared() -> None:
-    one, same, other = (UUID(uuid=values) for values in (SIXTEEN, SIXTEEN, [3] * 16))
-    assert one == same
-    assert one != other
-    assert one.uuid.tolist() == SIXTEEN
-
-
-def test_their_elements_are_read_and_set() -> None:
+def test_arrays_of_a_fixed_size_are_compared_read_and_set() -> None:
+    assert UUID(uuid=SIXTEEN) == UUID(uuid=SIXTEEN) != UUID(uuid=[3] * 16)
     uuid: Any = UUID(uuid=SIXTEEN).uuid
     uuid[0] = 9
     assert uuid.tolist() == [9, *SIXTEEN[1:]]
@@ -270,30 +188,6 @@ def test_their_elements_are_read_and_set() -> None:
             uuid[0] = wrong
 
 
-def test_bytes_are_no_array_of_a_fixed_size_but_an_array_of_bytes_is() -> None:
-    with pytest.raises(ValueError, match=r"bytes|invalid literal for int"):
-        UUID().uuid = bytes(16)
-    for value in (bytearray(SIXTEEN), array.array("B", SIXTEEN), array.array("h", SIXTEEN)):
-        assert UUID(uuid=value).uuid.tolist() == SIXTEEN
-
-
-def test_one_that_is_assigned_is_shared_and_a_copy_is_not() -> None:
-    one, other = UUID(uuid=SIXTEEN), UUID()
-    other.uuid = one.uuid
-    one.uuid[0] = 77
-    assert other.uuid[0] == 77
-    for alone in (
-        copy.deepcopy(one),
-        pickle.loads(pickle.dumps(one)),
-        UUID(uuid=one.uuid.tolist()),
-    ):
-        alone.uuid[0] = 3
-        assert one.uuid[0] == 77
-        assert alone.uuid.tolist() == [3, *SIXTEEN[1:]]
-    with pytest.raises(AssertionError, match=r"must have a size of 16|with length 16"):
-        other.uuid = one.uuid[:8]
-
-
 VALUE = ParameterValue(
     type=9,
     string_array_value=["a", "bcd"],
@@ -301,11 +195,6 @@ VALUE = ParameterValue(
     byte_array_value=[b"x"],
     bool_array_value=[True, False],
     integer_array_value=[-1],
-)
-VALUES_BYTES = (
-    "0001000009000000000000000000000000000000000000000000000001000000000000000100000078000000"
-    "02000000010000000100000000000000ffffffffffffffff0200000000000000000000000000f03f00000000"
-    "000000400200000002000000610000000400000062636400"
 )
 MESSAGES = [
     (String(data="hi"), "0001000003000000686900"),
@@ -347,29 +236,12 @@ def test_what_is_written_is_read_back_the_same(message: Any) -> None:
     assert deserialize_message(serialize_message(message), type(message)) == message
 
 
-def test_what_stands_between_the_fields_is_not_read() -> None:
-    assert deserialize_message(bytes.fromhex(VALUES_BYTES), ParameterValue) == VALUE
-
-
-def test_big_endian_is_read_too() -> None:
-    assert deserialize_message(b"\0\0\0\0\0\0\0\3hi\0", String) == String(data="hi")
-
-
 @pytest.mark.parametrize(
     "data", [b"", b"\0\1\0\0\xff\xff\xff\xff", b"\0\1\0\0\5\0\0\0hi", b"\0\1\0\0"]
 )
 def test_other_bytes_are_refused(data: bytes) -> None:
     with pytest.raises(RuntimeError, match="failed to deserialize ROS message"):
         deserialize_message(data, String)
-
-
-def test_what_is_no_message_and_no_bytes_is_refused() -> None:
-    with pytest.raises(AttributeError):
-        serialize_message(3)
-    with pytest.raises(AttributeError):
-        deserialize_message(b"\0\1\0\0", int)
-    with pytest.raises(TypeError):
-        deserialize_message("text", String)  # type: ignore[arg-type]
 
 
 def test_a_raw_subscription_gets_bytes_and_bytes_can_be_published(ros: Ros) -> None:

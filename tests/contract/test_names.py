@@ -199,21 +199,6 @@ def test_a_bad_argument_is_an_error_of_init_and_of_a_node(words: list[str], ros:
         ros.node(cli_args=["--ros-args", *words])
 
 
-def test_a_context_is_used_once_and_asked_while_it_is() -> None:
-    context = Context()
-    with pytest.raises(RuntimeError):
-        context.get_domain_id()
-    told: list[str] = []
-    context.init([])
-    context.on_shutdown(lambda: told.append("a function too"))
-    context.shutdown()
-    assert told == ["a function too"]
-    with pytest.raises(RuntimeError):
-        context.get_domain_id()
-    with pytest.raises(RuntimeError):
-        context.init([])
-
-
 def test_the_default_context_is_another_one_after_shutdown() -> None:
     for _ in range(2):
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)

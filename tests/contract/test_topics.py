@@ -1,8 +1,8 @@
-"""Topics: delivery in a later turn, history, QoS that must match, what endpoints tell."""
+"""Topics and services: later turns, history, QoS that must match, no answer, the graph."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -16,12 +16,11 @@ from rclpy.qos import (
     HistoryPolicy,
     LivelinessPolicy,
     QoSPolicyKind,
-    QoSPresetProfiles,
     QoSProfile,
     ReliabilityPolicy,
 )
-from std_msgs.msg import Float32, Int32, String
-from std_srvs.srv import Empty
+from std_msgs.msg import Int32, String
+from std_srvs.srv import Empty, SetBool, Trigger
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -107,110 +106,40 @@ def test_a_destroyed_subscription_gets_nothing(ros: Ros) -> None:
     assert [message.data for message in received] == [1, 2]
 
 
-def test_publishing_on_what_was_destroyed_or_shut_down_raises(ros: Ros) -> None:
-    node = ros.node()
-    gone = node.create_publisher(Float32, "topic", 10)
-    node.destroy_publisher(gone)
-    with pytest.raises(Exception, match="destruction was requested"):
-        gone.publish(Float32())
-    publisher = node.create_publisher(Float32, "topic", 10)
-    ros.context.shutdown()
-    with pytest.raises(Exception, match=r"destruction was requested|context is invalid"):
-        publisher.publish(Float32())
-
-
-def test_a_late_joiner_gets_nothing_that_is_older_than_its_lifespan(ros: Ros) -> None:
-    late: list[int] = []
-    old: list[int] = []
-    node = ros.node("n")
-    short = QoSProfile(
-        depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=0.2)
-    )
-    publisher = node.create_publisher(Int32, "topic", short)
-    publisher.publish(Int32(data=1))
-    watch = ros.node("watch")
-    watch.create_timer(0.5, lambda: old.append(1))
-    ros.spin(watch)
-    wait_until(lambda: old)
-    node.create_subscription(Int32, "topic", lambda m: late.append(m.data), LATCHED)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    ros.spin(node)
-    publisher.publish(Int32(data=2))
-    wait_until(lambda: late)
-    assert late == [2]
-
-
-def test_a_node_added_to_an_executor_late_gets_what_waits(ros: Ros) -> None:
-    node = ros.node()
-    publisher, received = ros.topic(Int32, node)
-    publisher.publish(Int32(data=1))
-    ros.executor(node).spin_once(timeout_sec=10)
-    assert received == [Int32(data=1)]
-
-
 RELIABLE = QoSProfile(depth=1)
 SECOND, TWO_SECONDS = Duration(seconds=1), Duration(seconds=2)
-Told = list[tuple[Any, ...]]
 
 
-def test_endpoints_are_told_who_does_not_match(ros: Ros) -> None:
-    node = ros.node()
-    told: Told = []
-
-    def refused(who: str) -> Callable[[Any], None]:
-        return lambda e: told.append((who, e.total_count, int(e.last_policy_kind)))
-
-    publisher = node.create_publisher(
-        String,
-        "words",
-        BEST_EFFORT,
-        event_callbacks=PublisherEventCallbacks(incompatible_qos=refused("publisher")),
-    )
-    ros.spin(node)
-    node.create_subscription(
-        String,
-        "words",
-        lambda _: None,
-        RELIABLE,
-        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refused("subscription")),
-    )
-    wait_until(lambda: len(told) == 2)
-    kind = int(QoSPolicyKind.RELIABILITY)
-    assert sorted(told) == [("publisher", 1, kind), ("subscription", 1, kind)]
-    assert publisher.get_subscription_count() == 0
-
-
-def test_a_subscription_that_asks_for_more_is_told_for_which_policy(ros: Ros) -> None:
+def test_both_ends_are_told_which_policy_a_subscription_asks_too_much_of(ros: Ros) -> None:
     node = ros.node()
     told: dict[str, str] = {}
+    publishers_told: dict[str, str] = {}
     manual = LivelinessPolicy.MANUAL_BY_TOPIC
     cases: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
         ("RELIABILITY", {"reliability": ReliabilityPolicy.BEST_EFFORT}, {}),
         ("DURABILITY", {}, {"durability": DurabilityPolicy.TRANSIENT_LOCAL}),
-        ("DEADLINE", {}, {"deadline": SECOND}),
         ("DEADLINE", {"deadline": TWO_SECONDS}, {"deadline": SECOND}),
         ("LIVELINESS", {"liveliness": LivelinessPolicy.AUTOMATIC}, {"liveliness": manual}),
-        ("LIVELINESS", {}, {"liveliness_lease_duration": SECOND}),
         ("", {"durability": DurabilityPolicy.TRANSIENT_LOCAL}, {}),
-        ("", {}, {"reliability": ReliabilityPolicy.BEST_EFFORT}),
         ("", {"deadline": SECOND}, {"deadline": TWO_SECONDS}),
         ("", {"liveliness": manual, "liveliness_lease_duration": SECOND}, {"liveliness": manual}),
     ]
+
+    def refused(told: dict[str, str], topic: str, event: Any) -> None:
+        told[topic] = QoSPolicyKind(event.last_policy_kind).name
+
     for number, (policy, offered, requested) in enumerate(cases):
         topic = f"topic_{number}"
-
-        def refused(event: Any, topic: str = topic) -> None:
-            told[topic] = QoSPolicyKind(event.last_policy_kind).name
-
-        callbacks = SubscriptionEventCallbacks(incompatible_qos=refused)
-        publisher = node.create_publisher(String, topic, QoSProfile(depth=1, **offered))
-        profile = QoSProfile(depth=1, **requested)
-        node.create_subscription(String, topic, print, profile, event_callbacks=callbacks)
+        offers, asks = QoSProfile(depth=1, **offered), QoSProfile(depth=1, **requested)
+        ours = PublisherEventCallbacks(incompatible_qos=partial(refused, publishers_told, topic))
+        theirs = SubscriptionEventCallbacks(incompatible_qos=partial(refused, told, topic))
+        publisher = node.create_publisher(String, topic, offers, event_callbacks=ours)
+        node.create_subscription(String, topic, print, asks, event_callbacks=theirs)
         if not policy:
             wait_until(lambda p=publisher: p.get_subscription_count() == 1)  # type: ignore[misc]
     ros.spin(node)
     refusals = {f"topic_{n}": policy for n, (policy, *_) in enumerate(cases) if policy}
-    wait_until(lambda: told == refusals)
+    wait_until(lambda: told == publishers_told == refusals)
 
 
 def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:
@@ -264,14 +193,50 @@ def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
     assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
 
 
-def test_profiles_by_their_short_names() -> None:
-    assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
-    assert QoSProfile(depth=3) == QoSProfile(depth=3)
-    assert QoSProfile(depth=3) != QoSProfile(depth=4)
+def test_a_call_is_answered(ros: Ros) -> None:
+    def answer(request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        response.success, response.message = request.data, "done"
+        return response
+
+    server = ros.spun("server")
+    server.create_service(SetBool, "set", answer)
+    client = ros.spun("client").create_client(SetBool, "set")
+    assert client.wait_for_service(10.0)
+    response = ros.result(client.call_async(SetBool.Request(data=True)))
+    assert (response.success, response.message) == (True, "done")
+    assert client.call(SetBool.Request(data=False)).success is False
 
 
-def test_a_policy_takes_no_word() -> None:
-    given: Any = QoSProfile(depth=1)
-    for name in ("lifespan", "deadline", "liveliness", "depth", "history"):
-        with pytest.raises(AssertionError):
-            setattr(given, name, "x")
+def test_an_async_callback_is_awaited(ros: Ros) -> None:
+    server = ros.spun("server")
+    other = server.create_client(Trigger, "inner")
+
+    async def outer(request: Any, response: Any) -> Any:
+        response.message = "outer"
+        return response
+
+    server.create_service(Trigger, "outer", outer)
+    client = ros.spun("client").create_client(Trigger, "outer")
+    assert client.wait_for_service(10.0)
+    assert not other.service_is_ready()
+    assert ros.result(client.call_async(Trigger.Request())).message == "outer"
+
+
+def test_a_call_that_nobody_serves_stays_pending(ros: Ros) -> None:
+    client = ros.spun().create_client(Trigger, "nobody")
+    assert not client.wait_for_service(0.05)
+    assert not client.service_is_ready()
+    future = client.call_async(Trigger.Request())
+    assert not future.done()
+    client.remove_pending_request(future)
+
+
+def test_a_service_comes_and_goes(ros: Ros) -> None:
+    server = ros.spun("server")
+    service = server.create_service(Trigger, "trigger", lambda request, response: response)
+    client = ros.spun("client").create_client(Trigger, "trigger")
+    assert client.wait_for_service(10.0)
+    executor = server.executor
+    assert executor is not None
+    executor.create_task(server.destroy_service, service)  # on the thread that spins it
+    wait_until(lambda: not client.service_is_ready())

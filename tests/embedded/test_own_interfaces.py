@@ -104,12 +104,6 @@ def test_in_plain_a_saved_interface_counts_from_the_next_start_and_that_is_said(
     script.end()
 
 
-def test_a_file_that_cannot_be_read_names_its_line(tmp_path: Path) -> None:
-    source = package(tmp_path, "floot32 x")
-    with pytest.raises(ArchoError, match=r"BatteryStatus\.msg:\d+: .*floot32"):
-        own_interfaces.find([source], "embedded")
-
-
 def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(ArchoError, match="no interface package"):
         own_interfaces.find([tmp_path], "embedded")
@@ -153,21 +147,3 @@ def test_a_known_mistake_does_not_keep_a_saved_package_from_counting(tmp_path: P
     reload()
     (new,) = said[1:]
     assert new.startswith("not read: good_msgs/msg/Thing.msg:2: ")
-
-
-@pytest.mark.real_time
-@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
-def test_a_node_runs_on_the_good_package_beside_a_bad_one(
-    tmp_path: Path,
-) -> None:
-    things(tmp_path / "src", bad_msgs="floot32 x", good_msgs="float32 temperature")
-    things(tmp_path / "more", user_msgs="good_msgs/Thing inner")
-    node = tmp_path / "teller.py"
-    of_good = TELLER.replace("archo_interfaces", "good_msgs").replace("BatteryStatus", "Thing")
-    node.write_text(of_good)
-    folders = ("--interfaces", str(tmp_path / "src"), "--interfaces", str(tmp_path / "more"))
-    script = Script(*folders, "--only", "--node", str(node))
-    script.until("bad_msgs/msg/Thing.msg:1: ")
-    script.until("the last is temperature")
-    script.type("quit\n")
-    script.end()

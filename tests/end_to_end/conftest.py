@@ -40,9 +40,6 @@ class Tmux:
     def type(self, *keys: str) -> None:
         self._run("send-keys", "-t", "it", *keys)
 
-    def resize(self, width: int, height: int) -> None:
-        self._run("resize-window", "-t", "it", "-x", str(width), "-y", str(height))
-
     @property
     def screen(self) -> str:
         return self._run("capture-pane", "-p", "-t", "it")

@@ -1,15 +1,17 @@
-"""An operator over tmux and SSH, with the link and the terminal misbehaving."""
+"""An operator over tmux and SSH, links and terminals that misbehave; one file for any Python."""
 
 from __future__ import annotations
 
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
-import time
+import sys
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 
@@ -81,64 +83,34 @@ def test_a_killed_link_ends_the_process_and_cancels_the_goal(
     assert "cancel: accepted" in said()
 
 
-def test_a_terminal_that_is_not_read_for_30_s_costs_nothing(tmux: Tmux, sshd: Sshd) -> None:
-    exact = "-p drain_min:=0.01 -p drain_max:=0.01 -p publish_period:=0.05"
-    tmux.start(sshd.command(f"{ARCHO} --ros-args {exact}"))
-    tmux.until("max_speed")
-    tmux.type("Escape")
-    tmux.until("Panels")
-    tmux.type("6", "e", "l")
-    tmux.until("Dashboard sees")
-    client = subprocess.run(
-        ["pgrep", "-f", f"^ssh .* -p {sshd.port} "], capture_output=True, text=True, check=True
-    )
-    pid = int(client.stdout.split()[0])
-    (console,) = [p for p in running("--ros-args -p drain_min") if p]
-    before = memory(console)
-    os.kill(pid, signal.SIGSTOP)  # nobody reads what sshd sends
-    began = time.monotonic()
-    time.sleep(30)
-    os.kill(pid, signal.SIGCONT)
-    tmux.type("e")
-    tmux.until("1 Battery")
-    # 87.5 % less 0.01 a tick of 0.05 s: a missed tick would be seen
-    expected = 87.5 - 0.01 * (time.monotonic() - began) / 0.05
-    tmux.until("GOOD")
-    line = next(line for line in tmux.screen.splitlines() if "GOOD" in line)
-    shown = float(line.split("GOOD")[1].split("%")[0])
-    assert shown <= expected + 0.5, (shown, expected)
-    assert time.strftime("%H:%M") in tmux.screen.splitlines()[0]
-    assert memory(console) < before + 20_000
-    tmux.type("q")
-    tmux.until("ENDED 0")
+ROOT = Path(__file__).parent.parent.parent
+BARE = Path(sys.base_prefix) / "bin" / "python3"  # outside of the environment of the tests
 
 
-def memory(pid: int) -> int:
-    """kB of memory in use."""
-    with open(f"/proc/{pid}/status") as status:
-        return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
+@pytest.fixture(scope="module")
+def pyz(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("elsewhere")
+    subprocess.run([ROOT / ".ci" / "pyz", folder / "made.pyz"], check=True)
+    return (folder / "made.pyz").rename(folder / "console of mine.pyz")
 
 
-def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
-    tmux.start(ARCHO)
-    tmux.until("max_speed")
-    for step in range(60):
-        tmux.resize(20 + 37 * step % 180, 5 + 17 * step % 50)
-    tmux.resize(120, 36)
-    tmux.until("max_speed")
-    tmux.type("g", "7", "Enter")
-    tmux.until("Arrived at shelf 7")
-    tmux.type("C-q")
-    tmux.until("ENDED 0")
+@pytest.fixture(autouse=True)
+def _unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SHIV_ROOT", str(tmp_path / "unpacked"))
 
 
-def test_kill_9_leaves_the_journal_whole(tmux: Tmux) -> None:
-    words = f"{SLOW} -p route_length:=77.0"
-    tmux.start(f"{ARCHO} {words}")
-    tmux.until("max_speed")
-    tmux.type("r")
-    tmux.until("reset encoder: Encoder reset to zero")
-    (pid,) = running(words)
-    os.kill(pid, signal.SIGKILL)
-    tmux.until("ENDED 137")
-    assert said()[-1] == "reset encoder: Encoder reset to zero"
+def test_it_is_small_and_has_nothing_that_is_compiled(pyz: Path) -> None:
+    assert pyz.stat().st_size < 6_000_000
+    kinds = {Path(name).suffix for name in ZipFile(pyz).namelist()}
+    assert kinds.isdisjoint({".so", ".pyd", ".dylib", ".pyc"})
+
+
+def test_every_python_runs_it_that_is_new_enough(pyz: Path) -> None:
+    others = (shutil.which(f"python3.{minor}") for minor in range(10, 15))
+    for python in {str(BARE), *filter(None, others)}:
+        if subprocess.run([python, "-c", ""], check=False, capture_output=True).returncode:
+            continue  # a shim of pyenv for a version that is not chosen
+        command = [python, str(pyz), "--plain", "--ros-args", "-p", "time_scale:=75.0"]
+        done = subprocess.run(command, input="go 12\n", capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, ""), python
+        assert "Arrived at shelf 12" in done.stdout

@@ -79,9 +79,13 @@ class Launcher:
 
     def of_actions(self, text: str, *arguments: str, before: str = "") -> LaunchPlan:
         """Evaluate a launch file that describes some actions, with what stands before them."""
+        return self.plan(self.describing(text, before), *arguments)
+
+    def describing(self, text: str, before: str = "") -> Path:
+        """Write such a launch file, and return its path."""
         actions = textwrap.indent(textwrap.dedent(text).strip(), "        ")
         generate = f"def generate_launch_description():\n    return described(\n{actions}\n    )\n"
-        return self.plan(self.write(f"{_IMPORTS}{before}\n{generate}"), *arguments)
+        return self.write(f"{_IMPORTS}{before}\n{generate}")
 
     def commands(self, plan: LaunchPlan) -> list[str]:
         """Return the plan's programs as `ros2 run` would be given them."""

@@ -1,4 +1,4 @@
-"""A launch file that ROS 2 would not run is not run here, and one line says why."""
+"""What ROS 2 would not run, or what needs it, is one line each; the rest is started."""
 
 from __future__ import annotations
 
@@ -39,21 +39,11 @@ WRONG = {
         "21: TypeError: Node.__init__() got an unexpected keyword argument 'node_executable', "
         "in: Node(package='my_robot', node_executable='talker', executable='talker'),"
     ),
-    "Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),": (
-        "21: TypeError: a remapping is a pair in (): ('old', 'new'), not ['a', 'b'], "
-        "in: Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),"
-    ),
     "Node(package='my_robot', executable='talker', parameters=[{'frames': []}]),": (
         "21: TypeError: parameter frames: the list [] is empty, so its type is not known"
     ),
     "Node(package='my_robot', executable='talker', "
     "parameters=[{'rate': ParameterValue('5', value_type=int)}]),": "21: '5' is not of type int",
-    "Node(package='my_robot', executable='talker', "
-    "parameters=[Parameter('name', 5, value_type=str)]),": "21: 5 is not of type str",
-    "Node(package='my_robot', executable='talker', "
-    "parameters=[{'rates': ParameterValue([1, 2.0], value_type=list[int])}]),": (
-        "21: [1.0, 2.0] is not of type list[int]"
-    ),
     "LogInfo(msg=PythonExpression('fast == 1')),": (
         "21: PythonExpression fast == 1: NameError: name 'fast' is not defined: a text needs "
         'quotes in it, ["\'", LaunchConfiguration(...), "\'"]'
@@ -85,7 +75,6 @@ FILES = {
         "2: AttributeError: module 'os' has no attribute 'nope', in: os.nope()"
     ),
     "def f(:\n": "1: SyntaxError: invalid syntax, in: def f(:",
-    "import sys\nsys.exit(3)": "2: SystemExit: it ends Python, exit code 3, in: sys.exit(3)",
     "from launch_ros.substitutions import FindPackageShare\n"
     "open(FindPackageShare('nav2').find('nav2') + '/a.urdf')": (
         "2: package nav2 is not here, nor its files"
@@ -126,22 +115,13 @@ def test_the_traceback_is_there_on_request_and_has_the_persons_lines_only(
     assert report.splitlines()[-1] == "ZeroDivisionError: division by zero"
 
 
-def test_an_include_without_a_value_for_its_argument_names_the_include(
-    launcher: Launcher,
-) -> None:
+def test_an_include_without_a_value_for_its_argument_names_the_include(launcher: Launcher) -> None:
     launcher.write("<launch>\n<arg name='robot'/>\n</launch>", "inner.launch.xml")
     include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.xml'"
     with pytest.raises(LaunchFileError) as raised:
         launcher.of_actions(f"{include}),")
     assert "inner.launch.xml:2: argument robot has no value" in str(raised.value)
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == []
-
-
-def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
-    launcher: Launcher,
-) -> None:
-    include = "IncludeLaunchDescription('x.launch.py', launch_arguments=[('model', None)]"
-    assert launcher.of_actions(f"{include}, condition=IfCondition('false')),").programs == []
 
 
 def test_the_release_of_the_engine_is_in_the_environment(
@@ -173,32 +153,17 @@ def test_words_that_are_no_arguments_are_refused() -> None:
         parse_arguments(["use_sim=true"])
 
 
-def test_a_file_that_is_not_there_or_no_launch_file_is_refused(launcher: Launcher) -> None:
-    with pytest.raises(LaunchFileError, match=r"no\.launch\.py: there is no such launch file"):
-        launcher.plan(launcher.folder / "no.launch.py")
-    with pytest.raises(LaunchFileError, match="not the name of a launch file"):
-        launcher.plan(launcher.write("", "a.txt"))
-
-
 def test_arguments_are_listed_without_performing_anything(
     launcher: Launcher, workspace: Workspace
 ) -> None:
-    path = launcher.write(
+    path = launcher.describing(
         """
-        from launch import LaunchDescription
-        from launch.actions import *
-        from launch.conditions import IfCondition
-        from launch.substitutions import LaunchConfiguration
-
-        def generate_launch_description():
-            return LaunchDescription([
-                DeclareLaunchArgument('robot', description='its name'),
-                DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
-                DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
-                GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
-                TimerAction(period=1.0, actions=[DeclareLaunchArgument('late')]),
-                LogInfo(msg=LaunchConfiguration('nowhere')),
-            ])
+        DeclareLaunchArgument('robot', description='its name'),
+        DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
+        DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
+        GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
+        TimerAction(period=1.0, actions=[DeclareLaunchArgument('late')]),
+        LogInfo(msg=LaunchConfiguration('nowhere')),
         """
     )
     with in_this_process():
@@ -283,3 +248,146 @@ def test_code_that_hangs_ends_in_time_though_who_asked_was_killed() -> None:
             assert child.wait(DEADLINE) == 0
         finally:
             child.kill()
+
+
+TALKER = "Node(package='my_robot', executable='talker')"
+
+REFUSED = {
+    "ExecuteProcess(cmd=['ros2', 'bag', 'record'])": (
+        "ExecuteProcess does not run here, nor what needs it: ROS 2 runs it"
+    ),
+    "Node(executable='/bin/true')": (
+        "a Node without package runs /bin/true, which is not started here"
+    ),
+    "Node(package='rviz2', executable='rviz2')": ("package rviz2 is not here: start it with ROS 2"),
+    "Node(package='my_robbot', executable='talker')": (
+        "package my_robbot is not here (nearest: my_robot)"
+    ),
+    "Node(package='my_cpp', executable='driver')": (
+        "my_cpp is an ament_cmake package, of which only scripts that install(PROGRAMS) names "
+        "run here: build it and start driver with ROS 2"
+    ),
+    "Node(package='my_robot', executable='talkr')": (
+        "my_robot has no executable talkr (nearest: talker): see console_scripts in its setup.py"
+    ),
+    "Node(package='my_robot', executable='x')": (
+        "my_robot has no executable x (it has talker, listener, lost): see console_scripts in its "
+        "setup.py"
+    ),
+    "Node(package='my_robot', executable='lost')": (
+        f"lost in setup.py of my_robot: there is no Python file {WORKSPACE.resolve()}/src/my_robot/"
+        "my_robot/listner.py (nearest: listener)"
+    ),
+    "IncludeLaunchDescription(os.path.join(get_package_share_directory('nav2'), 'a.launch.py'))": (
+        "nav2 is not here: start its a.launch.py with ROS 2"
+    ),
+    "Node(package='my_robot', executable='talker', parameters=[{'model': Command('xacro a')}])": (
+        "Command does not run here, nor what needs it: ROS 2 runs it"
+    ),
+}
+
+
+def test_what_is_not_here_is_one_line_and_the_rest_starts(launcher: Launcher) -> None:
+    for action, text in REFUSED.items():
+        plan = launcher.of_actions(f"{action},\n{TALKER},")
+        assert [(note.where, note.text) for note in plan.notes] == [(f"{launcher.file}:21", text)]
+        assert launcher.commands(plan) == ["my_robot talker"]
+
+
+def test_an_argument_that_is_not_here_leaves_its_include_in_place(launcher: Launcher) -> None:
+    plan = launcher.of_actions(
+        """
+        IncludeLaunchDescription(
+            [FindPackageShare('my_robot'), '/launch/talker.launch.py'],
+            launch_arguments=[('rate', '3'), ('model', Command('xacro a'))],
+        ),
+        """
+    )
+    assert [note.text.partition(" ")[0] for note in plan.notes] == ["Command"]
+    assert launcher.commands(plan) == ["my_robot talker --ros-args -p rate:=3"]
+
+
+def test_a_launch_file_may_ask_which_packages_are_there(launcher: Launcher) -> None:
+    plan = launcher.of_actions(
+        """
+        *[Node(package=name, executable='talker')
+          for name in ('my_robot', 'camera_ros') if has_resource('packages', name)],
+        *[Node(package=name, executable='listener')
+          for name in ('my_robot', 'nav2') if name in get_packages_with_prefixes()],
+        """,
+        before="from ament_index_python.resources import has_resource\n"
+        "from ament_index_python.packages import get_packages_with_prefixes",
+    )
+    assert launcher.commands(plan) == ["my_robot talker", "my_robot listener"]
+
+
+def test_what_a_condition_leaves_out_is_not_told(launcher: Launcher) -> None:
+    plan = launcher.of_actions("ExecuteProcess(cmd=[], condition=IfCondition('false')),")
+    assert plan.notes == []
+    assert plan.programs == []
+
+
+def test_a_parameter_file_that_setup_forgets_is_told_and_the_node_starts(
+    launcher: Launcher,
+) -> None:
+    plan = launcher.of_actions(
+        """
+        Node(
+            package='my_robot', executable='talker',
+            parameters=[
+                os.path.join(get_package_share_directory('my_robot'), 'config', name)
+                for name in ('forgotten.yaml', 'params.yml', 'params.yaml')
+            ],
+        )
+        """
+    )
+    assert [note.text for note in plan.notes] == [
+        "parameter file forgotten.yaml is left out: setup.py of my_robot does not install "
+        "config/forgotten.yaml: name it in data_files",
+        "parameter file params.yml is left out: my_robot has no config/params.yml",
+    ]
+    assert launcher.commands(plan) == [
+        "my_robot talker --ros-args --params-file PREFIX/share/my_robot/config/params.yaml"
+    ]
+
+
+def test_an_argument_that_the_file_does_not_have_is_told(launcher: Launcher) -> None:
+    plan = launcher.of_actions("DeclareLaunchArgument('use_sim', default_value='1'),", "usesim:=1")
+    assert [str(note) for note in plan.notes] == [
+        f"{launcher.file}: usesim:=1: this launch file has no argument usesim (nearest: use_sim)"
+    ]
+
+
+def test_a_package_that_only_its_folder_was_asked_of_is_told(launcher: Launcher) -> None:
+    text = f"{TALKER} if get_package_share_directory('my_robott') else None,"
+    assert [note.text for note in launcher.of_actions(text).notes] == [
+        "package my_robott is not here (nearest: my_robot): its folder has no files"
+    ]
+
+
+def test_the_launch_file_of_a_package_in_cpp_is_included(launcher: Launcher) -> None:
+    plan = launcher.of_actions(
+        "IncludeLaunchDescription([FindPackageShare('my_cpp'), '/launch/driver.launch.py']),"
+    )
+    [note] = plan.notes
+    assert note.where == "driver.launch.py:6"
+    assert "start driver with ROS 2" in note.text
+
+
+def test_xacro_and_other_packages_are_left_out_where_they_are_needed(launcher: Launcher) -> None:
+    plan = launcher.of_actions(
+        """
+        Node(package='my_robot', executable='talker', parameters=[{'robot_description': model}]),
+        Node(package='my_robot', executable='listener'),
+        """,
+        before="import xacro\nmodel = xacro.process_file('robot.urdf.xacro').toxml()",
+    )
+    assert [note.text for note in plan.notes] == [
+        "process_file does not run here, nor what needs it: ROS 2 runs it (line 22)"
+    ]
+    assert launcher.commands(plan) == ["my_robot listener"]
+
+
+def test_what_a_launch_file_says_is_information(launcher: Launcher) -> None:
+    plan = launcher.of_actions("LogInfo(msg=['in ', ThisLaunchFileDir()]),")
+    assert [(note.level, note.text) for note in plan.notes] == [("INFO", f"in {launcher.folder}")]

@@ -5,12 +5,11 @@ from __future__ import annotations
 import shutil
 import textwrap
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 
 from archo_tui.base.errors import ArchoError
-from archo_tui.user_code.ros_launch import child_process, setup_script
+from archo_tui.user_code.ros_launch import child_process
 from archo_tui.user_code.ros_launch import workspace as rooms
 from archo_tui.user_code.ros_launch.setup_script import run_setup
 from archo_tui.user_code.ros_launch.workspace import EntryPoint, Package, Workspace, read_package
@@ -62,14 +61,6 @@ def test_archos_own_launch_file_starts_its_nodes_with_their_parameters(tmp_path:
             assert "config/motor_params.yaml" in " ".join(program.ros_args)
 
 
-def test_archos_own_setup_is_asked_for_once() -> None:
-    found = Workspace(())
-    with patch.object(setup_script, "run_setup", wraps=run_setup) as asked:
-        for name in ("dashboard", "battery_monitor"):
-            found.entry_point("archo_bringup", name)
-    asked.assert_called_once_with(NODES / "setup.py")
-
-
 def test_the_nodes_that_an_installed_console_carries_can_be_run(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -118,9 +109,7 @@ def write_package(folder: Path, text: str) -> Path:
     return folder
 
 
-def test_what_is_wrong_with_a_package_xml_is_one_line_and_others_are_found(
-    tmp_path: Path,
-) -> None:
+def test_what_is_wrong_with_a_package_xml_is_one_line_and_others_are_found(tmp_path: Path) -> None:
     write_package(tmp_path / "a", "<package><name>one</name></package>")
     write_package(tmp_path / "b", "<package>\n<name>")
     write_package(tmp_path / "c", "<package/>")
@@ -165,15 +154,6 @@ def test_what_is_wrong_with_a_setup_is_one_line(package: Package) -> None:
         assert str(raised.value).removeprefix(f"{package.folder}/") == line
     (package.folder / "setup.py").unlink()
     with pytest.raises(ArchoError, match="an ament_python package needs it"):
-        run_setup(package.build_file)
-
-
-def test_a_setup_that_does_not_return_is_ended(
-    package: Package, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(setup_script, "SETUP_TIME", 0.3)
-    (package.folder / "setup.py").write_text("while True:\n    pass", encoding="utf-8")
-    with pytest.raises(ArchoError, match=r"setup\.py:\d: does not return within 0\.3 s"):
         run_setup(package.build_file)
 
 

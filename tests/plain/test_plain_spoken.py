@@ -1,4 +1,4 @@
-"""`--plain` for ears: a change is one line, in words, and nothing is said twice."""
+"""`--plain` for ears: a change is one line, nothing is said twice, what is missing at once."""
 
 from __future__ import annotations
 
@@ -6,15 +6,20 @@ import re
 from typing import Any
 
 import pytest
+from archo_interfaces.srv import ResetEncoder
+from rclpy.node import Node
+from std_msgs.msg import String
 
 from archo_tui.robot.state.goal import Phase
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
 from archo_tui.text import line_by_line
 from archo_tui.text.state import motion_word
-from tests.support.clock import NOW
+from tests.support.clock import NOW, seconds
 from tests.support.console import FAST, LONG
+from tests.support.hesitant import Hesitant
 from tests.support.plain import operated, plain, typing
 from tests.support.quiet import until
+from tests.support.robot import making
 from tests.support.states import BATTERY, NORMAL, STATES, goal
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
@@ -85,7 +90,10 @@ async def test_a_battery_that_falls_empty_is_never_called_normal() -> None:
 async def test_what_is_listed_is_a_fact_a_line_in_words(verb: str) -> None:
     code, said = await plain(f"go 12\nset motor_controller max_speed 0.5\n{verb}\n", ros_args=FAST)
     assert code == 0
-    check_is_for_ears(said)
+    # what happens has its time; what is asked for may be told again
+    happened = re.findall(r"^\d\d:\d\d:\d\d .*", said, re.MULTILINE)
+    check_is_for_ears("\n".join(happened))
+    check_is_for_ears("\n".join(line for line in said.splitlines() if line not in happened))
 
 
 async def test_the_state_is_read_out_without_a_table() -> None:
@@ -110,7 +118,6 @@ def test_every_state_has_words_of_its_own(name: str) -> None:
     [
         (Phase.LOST, {}, "LOST, shelf 12, nothing heard for 0.0 s; the robot may still be moving"),
         (Phase.ABORTED, {"message": "broken"}, "ABORTED, shelf 12, broken"),
-        (Phase.ABORTED, {"message": "broken at shelf 1"}, "ABORTED, shelf 12, broken at shelf 1"),
         (Phase.ABORTED, {"message": ""}, "ABORTED, shelf 12"),
         (Phase.CANCELLED, {"message": "off", "remaining": None}, "CANCELLED, shelf 12, off"),
         (Phase.CANCELLED, {"message": "off"}, "CANCELLED, off, 9.0 m before shelf 12"),
@@ -144,3 +151,116 @@ def test_a_queue_says_what_waits_and_why_it_is_held() -> None:
     assert line_by_line.queue_text(["7", "3"], "") == "7, 3"
     assert line_by_line.queue_text(["7", "3"], "cancelled") == "held: 7, 3 (cancelled)"
     assert line_by_line.queue_text([], "") == ""
+
+
+def alone(**options: Any) -> Node:
+    """It offers nothing."""
+    return Node("alone", **options)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("reset", "failed: reset: reset_encoder is not offered by any node"),
+        *(
+            pytest.param(*line_and_said, marks=pytest.mark.waits)
+            for line_and_said in (
+                ("go 12", "failed: go: move_to_shelf is not offered by any node"),
+                ("call blink", "failed: call: no service is on the graph"),
+                ("cancel", "failed: cancel: no goal is running"),
+            )
+        ),
+    ],
+)
+async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
+    line: str, said: str
+) -> None:
+    async with operated(alone) as person:
+        began = seconds()
+        await person.enter(f"{line}", said)
+        assert seconds() - began <= 5.1  # at the start it may only not be found yet
+        await until(lambda: seconds() > began + 6.0)
+        began = seconds()
+        person.type(f"{line}\nnodes\n")
+        await person.until("alone up")
+        assert person.said.count(said) == 2
+        assert seconds() - began < 0.5
+
+
+@pytest.mark.parametrize(
+    ("life", "line", "said", "patience"),
+    [
+        (Life.UP, "get coming gain", "get: no node /coming is on the graph", 4.9),
+        (Life.STARTING, "reset", "reset: reset_encoder is not offered by any node", 14.9),
+    ],
+)
+async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
+    life: Life, line: str, said: str, patience: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with operated(alone) as person:
+        host, began = person.station.host, seconds()
+        await until(lambda: seconds() > began + 6.0)
+        coming = (*host.states(), Hosted("/coming", life))
+        monkeypatch.setattr(host, "states", lambda: coming)
+        began = seconds()
+        await person.enter(f"{line}", f"failed: {said}")
+        assert seconds() - began >= patience
+        monkeypatch.undo()  # It has ended.
+        began = seconds()
+        person.type(f"{line}\nnodes\n")
+        await person.until("alone up")
+        assert seconds() - began < 2.0
+
+
+class Late(Node):
+    """Offers its service and subscribes to `words` 3 s after the start."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.timer = self.create_timer(3.0, self.offer)
+
+    def offer(self) -> None:
+        self.timer.cancel()
+        self.create_service(ResetEncoder, "reset_encoder", self.reset)
+        self.create_subscription(String, "words", lambda _: None, 10)
+
+    def reset(
+        self, request: ResetEncoder.Request, response: ResetEncoder.Response
+    ) -> ResetEncoder.Response:
+        response.success, response.message = True, "late is better than never"
+        return response
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("reset", "late is better than never"),
+        ("pub words data=x --yes", "pub words: published; 1 subscriber\n"),
+        ("pub words std_msgs/msg/String data=x --yes", "pub words: published; 1 subscriber\n"),
+    ],
+)
+async def test_what_is_there_some_seconds_after_the_start_is_waited_for(
+    line: str, said: str
+) -> None:
+    async with operated(Late) as person:
+        person.station.attached = line != "reset"  # A topic: of a robot elsewhere.
+        await person.enter(line, said)
+        assert "failed" not in person.said
+
+
+async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:
+    async with operated(at_terminal=True) as person:
+        await person.enter("go 12", "goal MOVING")
+        await person.enter("reset", "[y/N]")
+        await person.enter("cancel", "failed: reset: not done: the answer was not yes")
+        await person.until("goal CANCELLED")
+
+
+async def test_that_a_goal_without_an_answer_is_waited_for_is_said() -> None:
+    made: list[Hesitant] = []
+    async with operated(making(made, Hesitant)) as person:
+        person.type_last("go 12\n")
+        await person.until("waiting for the end of shelf 12; ctrl+c cancels it")
+        assert "goal UNKNOWN" in person.said
+        made[0].answer(taken=False)
+        assert await person.end() == 1

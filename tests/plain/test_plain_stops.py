@@ -78,16 +78,6 @@ async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
     assert "ARRIVED, Arrived at shelf 7" in person.said
 
 
-async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
-    async with operated(Cart, robot=CART) as person:
-        await person.enter("go 12 7", "drives to 12")
-        await person.enter("stop", "queue held: 7")
-        assert await person.end("continue\nstop\n") == 1
-    assert f"failed: continue: {VOID}" in person.said
-    assert "not driven: 7" in person.said
-    assert "drives to 7" not in person.said
-
-
 class Slow(Willing):
     """Answers a STOP when the test says so."""
 
@@ -173,16 +163,6 @@ async def test_of_a_flood_of_stops_two_a_second_reach_the_robot() -> None:
     assert len(robot.told) == before + 1
 
 
-async def test_more_than_a_thousand_goals_never_wait() -> None:
-    async with operated(Cart, robot=CART) as person:
-        person.type("go" + " 1" * 999 + "\n")
-        await person.until("drives to 1")
-        person.type("go 2\ngo 3\ngo 4\n")
-        await person.until("failed: go: more than 1000 goals would wait")
-        assert await person.end("cancel\n") == 1
-    assert person.said.count("failed: go: more than 1000") == 1
-
-
 async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
     robot: Any = Slow()
     async with typing(stub_station(robot)) as person:
@@ -258,15 +238,6 @@ async def test_a_stop_that_is_refused_late_is_said() -> None:
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
         await person.enter("stop", "failed: stop: ")
         await person.until("STOP, answered late: REFUSED")
-
-
-async def test_the_answer_to_a_later_stop_may_come_first() -> None:
-    async with operated() as person:
-        plain = person._plain
-        plain._input.unanswered.extend([1, 2])
-        for number in (2, 1):
-            plain.reply({"id": number, "code": "timeout", "text": "no answer in 2 s"})
-        assert await person.end() == 1
 
 
 async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -> None:

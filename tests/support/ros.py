@@ -16,7 +16,7 @@ from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 
 from tests.support import chosen
-from tests.support.waiting import DEADLINE, Waited, wait_until
+from tests.support.waiting import wait_until
 
 
 def begin(node: Node, work: Callable[..., object], *given: Any, **options: Any) -> Any:
@@ -113,13 +113,6 @@ class Ros:
         """The value of an rclpy future that a spun node will complete."""
         wait_until(lambda: future.done(), "the future")
         return future.result()
-
-    def spin_here(self, executor: Any, holds: Callable[[], object]) -> None:
-        """Spin in the test's own thread until it holds."""
-        waited = Waited(DEADLINE)
-        while not holds():
-            assert not waited.too_long(), f"waited {waited} for {holds}"
-            executor.spin_once(timeout_sec=0.1)
 
     def __enter__(self) -> Ros:
         return self

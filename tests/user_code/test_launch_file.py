@@ -18,7 +18,6 @@ from archo_tui.robot.state.snapshot import Life
 from archo_tui.session.options import Launch
 from archo_tui.session.session import Session
 from archo_tui.user_code import program as hosted_program
-from archo_tui.user_code.launch_file import LaunchFile
 from tests.support import chosen
 from tests.support.waiting import wait_until
 from tests.user_code.support import is_told, life, release, running, states, stop, texts
@@ -218,18 +217,6 @@ def test_what_is_respawned_is_not_behind_a_stop(
         wait_until(lambda: runs.read_text().count("ran") > count)
 
 
-def test_a_launch_file_of_which_nothing_runs_says_all_and_fails(
-    workspace: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = launch_file('Node(package="turtlesim", executable="turtlesim_node"),')
-    assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
-    assert capsys.readouterr().err.splitlines() == [
-        f"archo-tui: {file}:18: wheels on the left",
-        f"archo-tui: {file}:19: package turtlesim is not here: start it with ROS 2",
-        f"archo-tui: nothing of {file} runs here",
-    ]
-
-
 EXITS = """
 import sys
 
@@ -293,27 +280,6 @@ def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: 
         launch_file(TWO)
         wait_until(lambda: restarts)
         assert restarts[0] == "robot.launch.py, or a file that it reads, was saved"
-
-
-OUTER = """
-from launch import LaunchDescription
-from launch.actions import IncludeLaunchDescription
-
-
-def generate_launch_description():
-    return LaunchDescription([IncludeLaunchDescription("FILE")])
-"""
-
-
-def test_a_launch_file_is_saved_when_one_that_it_includes_is(workspace: Path) -> None:
-    inner = launch_file(TWO)
-    outer = inner.with_name("outer.launch.py")
-    outer.write_text(OUTER.replace("FILE", inner.as_posix()))
-    launch = LaunchFile(outer, {})
-    before = launch.current_stamps()
-    launch_file(TWO + "    # changed\n")
-    assert launch.current_stamps() != before
-    launch.close()
 
 
 def test_a_workspace_in_the_place_of_a_node_file_is_hosted(workspace: Path) -> None:

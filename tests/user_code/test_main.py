@@ -1,8 +1,9 @@
-"""What `main()` makes is what runs, however it makes it: `--node FILE` runs the file's program."""
+"""What `main()` makes is what runs, however it makes it; the chapter's harder exercise, too."""
 
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -11,11 +12,12 @@ import pytest
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session.session import Session
 from tests.support import chosen, warm
-from tests.support.night import corners
+from tests.support.plain import typing
 from tests.support.waiting import wait_until
 from tests.user_code.support import life, running, states, texts, written
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
+
 
 SHARE = Path(__file__).parent.parent / "share"
 HEAD = """
@@ -83,11 +85,6 @@ async def main():
 if __name__ == "__main__":
     asyncio.run(main())
 """,
-    "a coroutine function without a block": """
-async def main():
-    rclpy.init()
-    rclpy.spin(Talker("talker"))
-""",
     "a script": """
 rclpy.init()
 rclpy.spin(Talker("talker"))
@@ -95,9 +92,7 @@ rclpy.spin(Talker("talker"))
 }
 
 
-@pytest.mark.parametrize(
-    "made", corners(["an App", "asyncio", "a script"], [name for name in MADE if " " in name])
-)
+@pytest.mark.parametrize("made", MADE)
 def test_what_is_made_by(made: str, here: Path) -> None:
     file = written("program.py", HEAD + MADE[made])
     with running(file) as session:
@@ -108,18 +103,6 @@ def test_a_file_without_main_has_its_node_classes_made_each_alone(here: Path) ->
     file = written("program.py", HEAD)
     with running(file) as session:
         wait_until(lambda: up(session) == ["/nobody", "/other"])
-
-
-def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
-    file = here / "program.py"
-    given = "Talker('talker', parameter_overrides=[Parameter('gain', value=2.5)])"
-    file.write_text(
-        f"{HEAD}def main():\n    rclpy.init()\n    node = {given}\n"
-        "    node.declare_parameter('gain', 1.0)\n"
-        "    print('gain', node.get_parameter('gain').value)\n    rclpy.spin(node)\n"
-    )
-    with running(file) as session:
-        wait_until(lambda: "gain 2.5" in texts(session))
 
 
 def test_a_main_that_sends_a_goal_sends_it() -> None:
@@ -163,43 +146,6 @@ def test_a_copy_has_another_name_and_is_copied_again(here: Path) -> None:
         wait_until(lambda: up(session) == ["/talker", "/talker_2", "/talker_3"])
 
 
-TWO_CLASSES = """
-import rclpy
-from rclpy.node import Node
-
-
-class First(Node):
-    def __init__(self):
-        super().__init__("first")
-        self.create_timer(0.1, self.work)
-
-    def work(self):
-        {first}
-
-
-class Second(Node):
-    def __init__(self):
-        super().__init__("second")
-        self.create_timer(0.1, self.work)
-
-    def work(self):
-        {second}
-"""
-
-
-@pytest.mark.parametrize("which", corners(["second"], ["first"]))
-def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
-    other = {"first": "second", "second": "first"}[which]
-    text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')
-    file = written("two.py", text.replace(f"{{{other}}}", "pass"))
-    with running(file) as session:
-        wait_until(lambda: Life.CRASHED in {state.life for state in states(session).values()})
-        [state] = states(session).values()
-        line = {"first": 12, "second": 21}[which]
-        assert state.error.startswith(f"line {line}: ValueError: a wheel came off")
-        wait_until(lambda: up(session) == [])
-
-
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there Python prints the traceback")
 def test_an_error_of_main_is_told_at_once_though_its_threads_run_on(here: Path) -> None:
     file = written(
@@ -219,3 +165,93 @@ def main():
     with running(file) as session:
         told = "ValueError: no serial port"
         wait_until(lambda: any(told in t and "run on" in t for t in texts(session)))
+
+
+TESTS = Path(__file__).parent.parent
+PRINTED = (TESTS / "contract/textbook/move_action_server.py").read_text(encoding="utf-8")
+PAGE = (TESTS.parent / "docs/chapter.md").read_text(encoding="utf-8")
+SERVER = 'self, MoveToShelf, "move_to_shelf", self.execute_callback\n'
+TAKES_CANCELS = (
+    SERVER,
+    'self, MoveToShelf, "move_to_shelf", self.execute_callback,\n'
+    "            callback_group=ReentrantCallbackGroup(),\n"
+    "            cancel_callback=lambda goal_handle: CancelResponse.ACCEPT,\n",
+)
+ENDS_CANCELLED = (
+    "            feedback.distance_remaining = distance\n",
+    "            if goal_handle.is_cancel_requested:\n"
+    "                goal_handle.canceled()\n"
+    "                return MoveToShelf.Result(success=False, "
+    'final_message="Cancelled mid-route")\n'
+    "            feedback.distance_remaining = distance\n",
+)
+IMPORTS = (
+    "from rclpy.action import ActionServer\n",
+    "from rclpy.action import ActionServer, CancelResponse\n"
+    "from rclpy.callback_groups import ReentrantCallbackGroup\n"
+    "from rclpy.executors import MultiThreadedExecutor\n"
+    "from rclpy.task import Future\n",
+)
+THREADS = ("rclpy.spin(node)", "rclpy.spin(node, executor=MultiThreadedExecutor())")
+AWAITS = (
+    (
+        "    def execute_callback",
+        """    async def pause(self, seconds):
+        done = Future()
+        timer = self.create_timer(seconds, lambda: done.set_result(True))
+        await done
+        self.destroy_timer(timer)
+
+    async def execute_callback""",
+    ),
+    ("time.sleep(0.5)", "await self.pause(0.5)"),
+)
+MENDED = (IMPORTS, TAKES_CANCELS, ENDS_CANCELLED)
+
+
+async def exercise(tmp_path: Path, *patches: tuple[str, str]) -> list[str]:
+    """Drive the listing with these patches as the page says; return what is said of the goal."""
+    text = PRINTED
+    for old, new in patches:
+        assert old in text
+        text = text.replace(old, new)
+    file = tmp_path / "move.py"
+    file.write_text(text)
+    script = re.search(r"printf '(.*)' \| archo-tui --only --node move.py --plain", PAGE)
+    assert script is not None
+    with running(file) as session:
+        async with typing(session.station) as person:
+            person.type(script[1].replace(r"\n", "\n"))
+            await person.end()
+    said = re.findall(r"^[\d:]+ ((?:goal|failed).*)", person.said, re.MULTILINE)
+    return [re.sub(r", [\d.]+ s so far.*|, asked .*| in [\d.]+ s$", "", line) for line in said]
+
+
+BEGINNING = [f"goal MOVING to 3, {left}.0 m left of 15.0 m" for left in (15, 12, 9)]
+
+
+async def test_as_printed_every_feedback_is_told_and_the_goal_arrives(tmp_path: Path) -> None:
+    said = await exercise(tmp_path)
+    goes_on = "goal MOVING to 3, 0.0 m left of 15.0 m"  # If the rejection is seen before the end.
+    said = [line for line in said if line != goes_on]
+    rejected = "failed: cancel: the robot rejected the cancel: the goal continues or has ended"
+    arrived = "goal ARRIVED, Arrived at shelf 3, 15.0 m"
+    assert sorted(said[-2:]) == sorted([arrived, rejected])
+    assert said[:-2] == [
+        *BEGINNING,
+        *(f"goal CANCELLING, shelf 3, {left}.0 m left" for left in (6, 3, 0)),
+    ]
+    told = re.search(r"```\n(goal MOVING to 3, 15.0.*?)```", PAGE, re.DOTALL)
+    assert told is not None
+    assert set(told[1].splitlines()) == set(said)
+
+
+@pytest.mark.parametrize("how", [(THREADS,), AWAITS], ids=["threads", "await"])
+async def test_each_way_of_the_page_to_mend_it_cancels_at_9_m(
+    how: tuple[tuple[str, str], ...], tmp_path: Path
+) -> None:
+    said = await exercise(tmp_path, *MENDED, *how)
+    assert said == [*BEGINNING, "goal CANCELLED, Cancelled mid-route, 9.0 m before shelf 3"]
+    for _, new in (*MENDED, *how):
+        for line in new.strip().splitlines():
+            assert line.strip() in PAGE, line

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import random
-import sys
-import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -16,10 +13,10 @@ from textual.widgets import Static
 from archo_tui.robot.state.events import Event
 from archo_tui.session.session import Session
 from archo_tui.user_code.hosted import HostedThread
-from tests.support import chosen, clock
-from tests.support.console import LONG, Console, console
+from tests.support import chosen
+from tests.support.console import Console, console
 from tests.support.plain import operated, typing
-from tests.support.quiet import outside, until
+from tests.support.quiet import until
 from tests.user_code.support import running as hosting
 from tests.user_code.support import written
 
@@ -112,9 +109,7 @@ def event_with(op: Console, text: str) -> Event | None:
 
 
 @pytest.mark.waits
-async def test_info_of_ones_own_nodes_is_seen_without_asking(
-    here: Path,
-) -> None:
+async def test_info_of_ones_own_nodes_is_seen_without_asking(here: Path) -> None:
     file = here / "talker.py"
     own = "self.get_logger().info('own words'); self.get_logger().get_child('arm').info('raised')"
     file.write_text(talker(own))
@@ -130,45 +125,16 @@ async def test_info_of_ones_own_nodes_is_seen_without_asking(
         await op.until(lambda: "own words" not in op.text)
 
 
-async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
+async def test_info_of_ones_own_nodes_is_told_by_plain_with_its_line_feeds(here: Path) -> None:
     file = here / "talker.py"
-    file.write_text(talker("self.get_logger().info('own words')"))
+    file.write_text(talker(r"self.get_logger().info('own words\na: 2 b: 3')"))
     async with operated(node_files=[file]) as typed:
-        await typed.until("INFO talker: own words")
+        await typed.until("INFO talker: own words\n         a: 2 b: 3")
         assert "INFO dashboard" not in typed.said
 
 
-async def test_a_goal_ends_with_its_node(here: Path) -> None:
-    file = here / "motor.py"
-    file.write_text(
-        "from archo_bringup.motor_controller import MotorController\n"
-        "class Motor(MotorController):\n    pass\n"
-    )
-    async with console(*LONG, node_files=[file]) as op:
-
-        async def is_offered() -> None:
-            states, since = op.session.host.states, clock.seconds() + 2.0
-            await op.until(lambda: any("/move_to_shelf" in node.serves for node in states()))
-            # On ROS 2 the old one is still seen for a moment: two servers, so no goal is sent.
-            await op.until(lambda: (op.app.view.snapshot.motion.received or 0.0) > since)
-            await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
-            await op.until(lambda: not op.app.view.snapshot.duplicate_servers)
-
-        await is_offered()
-        await op.press("g", "7", "enter")
-        await op.until("MOVING to 7")
-        await save(op, file, file.read_text() + "# another\n")
-        await op.until("✗ LOST")
-        assert "the robot may still be moving" in op.line("✗ LOST")
-        await is_offered()
-        await op.press("g", "8", "enter")
-        await op.until("MOVING to 8")
-
-
 @pytest.mark.skipif("chosen.ENGINE == 'ros2'", reason="there a node comes back seconds later")
-async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
-    here: Path,
-) -> None:
+async def test_what_was_set_is_set_again_and_what_was_undone_is_not(here: Path) -> None:
     file = written("talker.py", says("first words"))
     with hosting(file) as session:
         async with typing(session.station) as person:
@@ -187,36 +153,8 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
                 await person.until(f"talker gain {value}")
 
 
-@pytest.mark.waits
-async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
-    here: Path,
-) -> None:
-    # The node of a file, and one of the robot's own.
-    with hosting(written("talker.py", says("first words")), only=False) as session:
-        async with typing(session.station) as person:
-            await until(lambda: {"gain", "max_speed"} <= parameter_names(session))
-            person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
-            await person.until("max_speed is 0.3")
-            await pass_seconds(9.0)
-            await asyncio.to_thread(session._watch.watched[0][1])
-            await person.until("set talker gain 2.5 again: it was restarted\n")
-            person.type("halt motor_controller\nstart motor_controller\n")
-            await person.until("set motor_controller max_speed 0.3 again: it was restarted\n")
-            await pass_seconds(6.0)
-            await until(lambda: not session.robot.snapshot.unreported)
-            person.type("get talker gain\nget motor_controller max_speed\n")
-            await person.until("motor_controller max_speed is 0.3")
-            assert "\ntalker gain is 2.5, " in person.said
-            assert "another client" not in person.said
-
-
 def parameter_names(session: Session) -> set[str]:
     return {parameter.name for parameter in session.robot.snapshot.parameters}
-
-
-async def pass_seconds(seconds: float) -> None:
-    later = clock.seconds() + seconds
-    await until(lambda: clock.seconds() > later)
 
 
 @pytest.mark.real_time
@@ -244,61 +182,3 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
             await op.until("starting: line ")
         await save(op, file, says("well after all"))
         await op.until("well after all")
-
-
-@pytest.mark.real_time
-async def test_what_hangs_in_one_of_several_threads_is_replaced(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
-    file = here / "talker.py"
-    several = (
-        "\n\ndef main():\n    import rclpy\n    from rclpy.executors import MultiThreadedExecutor\n"
-    )
-    several += "    rclpy.init()\n    rclpy.spin(Talker(), MultiThreadedExecutor())\n"
-    endless = "print('from now on')\n        import time\n        while True: time.sleep(0.01)"
-    file.write_text(says("well") + several)
-    async with running(file) as op:
-        await op.press("6", "l")
-        await save(op, file, talker(endless) + several)
-        await op.until("talker stdout")
-        await op.until("from now on")
-        await save(op, file, talker("1 / 0") + several)
-        await op.until("crashed: line 11: ZeroDivisionError: division by zero, in: 1 / 0")
-    await outside(lambda: not threads_of_talker(), "the end of its threads")
-
-
-def threads_of_talker() -> list[str]:
-    names = [thread.name for thread in threading.enumerate()]
-    return [name for name in names if name.startswith(("/talker", "ThreadPool"))]
-
-
-def running_threads() -> list[str]:
-    """Their names, without those which come as they are needed and stay."""
-    names = (thread.name for thread in threading.enumerate())
-    return sorted(name for name in names if not name.startswith(("asyncio_", "black box")))
-
-
-@pytest.mark.waits
-@pytest.mark.real_time
-async def test_many_saves_half_of_them_broken_leave_nothing_behind(here: Path) -> None:
-    choose = random.Random(5)
-    file = here / "talker.py"
-    file.write_text(says("words 0"))
-    async with running(file) as op:
-        await save(op, file, says("words 1"))
-        threads, modules = running_threads(), len(sys.modules)
-        for number in range(16):
-            good = says(f"words {number}")
-            broken = (
-                "def x(:\n",
-                good.replace('"gain", 1.0', "nothing"),
-                talker("1 / 0"),
-                "raise SystemExit('no map')\n",
-            )
-            await save(op, file, good if number % 2 else choose.choice(broken))
-        await save(op, file, says("last words"))
-        await op.until("last words")
-        assert running_threads() == threads
-        assert chosen.ENGINE == "ros2" or len(sys.modules) <= modules + 3
-        assert op.session.host.names() == ["/talker"]

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import gc
 import io
 import json
 import json.decoder
-import sys
 import threading
 from pathlib import Path
-from types import FrameType
 
 import pytest
 
 import archo_tui
 from archo_tui.user_code.errors import OwnCode, traceback_without
-from archo_tui.user_code.interrupt import frame_of
 from archo_tui.user_code.output import HarmlessOutput, NodeOutput
 
 pytestmark = pytest.mark.pure
@@ -37,22 +33,6 @@ def test_the_engines_frames_are_only_counted() -> None:
     assert said.splitlines()[0] == "Traceback (most recent call last):"
     assert said.splitlines()[-1] == "(3 frames of the engine are left out)"
     assert "JSONDecodeError: Expecting property name" in said
-
-
-def chained() -> None:
-    try:
-        json.loads("{")
-    except ValueError as error:
-        raise KeyError("x") from error
-
-
-def test_what_led_to_an_error_is_cut_in_the_same_way() -> None:
-    with pytest.raises(KeyError) as caught:
-        chained()
-    said = traceback_without(caught.value, json)
-    assert said.count("Traceback (most recent call last):") == 2
-    assert "in chained" in said
-    assert "decoder.py" not in said
 
 
 def test_an_error_that_never_left_the_engine_is_shown_whole() -> None:
@@ -87,28 +67,6 @@ def test_errors_that_a_deep_recursion_has_chained_are_all_told() -> None:
     said = traceback_without(error, json)
     assert said.startswith("ValueError: the first\n")
     assert said.rstrip().endswith("RuntimeError: 1999")
-
-
-@pytest.mark.parametrize("was_enabled", [True, False])
-def test_no_garbage_is_collected_while_the_frames_are_taken(
-    was_enabled: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    seen: list[bool] = []
-    frames = sys._current_frames
-
-    def current_frames() -> dict[int, FrameType]:
-        seen.append(gc.isenabled())
-        return frames()
-
-    monkeypatch.setattr(sys, "_current_frames", current_frames)
-    before = gc.isenabled()
-    (gc.enable if was_enabled else gc.disable)()
-    try:
-        assert frame_of(threading.current_thread()) is not None
-        assert gc.isenabled() is was_enabled
-    finally:
-        (gc.enable if before else gc.disable)()
-    assert seen == [False]
 
 
 def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:
@@ -152,10 +110,3 @@ def test_of_a_storm_only_some_lines_are_noted_and_none_without_an_end() -> None:
     assert 50 <= len(notes) < 1000
     notes, _ = printed("x" * 25_000)
     assert [len(text) for _, _, text in notes] == [10_000]
-
-
-def test_one_that_is_freed_leaves_the_other_alone() -> None:
-    other = io.StringIO()
-    out = NodeOutput(other, lambda *_: None)
-    other.close()
-    out.close()  # as Python does when it frees it

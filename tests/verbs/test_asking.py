@@ -87,39 +87,6 @@ async def test_what_is_no_yes_releases_nothing(
         assert robot.told == told
 
 
-@pytest.mark.parametrize(
-    ("line", "question", "done"),
-    [
-        ("cancel", "Another client sent this goal. Cancel it? [y/N]", "cancel"),
-        (
-            "cancel --all",
-            "Cancel every goal of the robot's actions, other clients' too? [y/N]",
-            "cancel_all",
-        ),
-    ],
-)
-async def test_the_goals_of_others_are_cancelled_after_a_question(
-    line: str, question: str, done: str
-) -> None:
-    robot = willing(goal(Phase.MOVING, mine=False))
-    async with at_terminal(robot) as person:
-        await person.enter(line, question)
-        assert await person.end("y\n") == 0
-        assert robot.told == [done]
-
-
-async def test_a_yes_about_a_goal_is_none_about_the_one_behind_it() -> None:
-    robot = willing(goal(Phase.MOVING, number=1))
-    running = robot.snapshot.goal
-    assert running is not None
-    behind = running._replace(number=running.number + 1)
-    async with at_terminal(robot) as person:
-        await person.enter("reset", "Reset encoder now? [y/N]")
-        robot.put(robot.snapshot._replace(goal=behind))
-        await person.enter("y", "failed: reset: the goal that was asked about has ended")
-        assert robot.told == []
-
-
 def test_a_question_is_over_with_its_goal_that_was_on_its_way() -> None:
     shown = goal(Phase.MOVING, number=1).running_goal
     assert shown is not None

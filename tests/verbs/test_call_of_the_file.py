@@ -40,19 +40,15 @@ def chosen(line: str, namespace: str = "/", file: Any = ARCHO, **graph: Any) -> 
     ("line", "verb"),
     [
         ("call reset_encoder", "reset"),
-        ("call /reset_encoder {}", "reset"),
         ("call reset_encoder --yes", "reset --yes"),
-        ("call --yes reset_encoder", "reset --yes"),
         ("call reset_encoder x=1", "/reset_encoder takes no field, not x=1"),
         ("call release_emergency_stop --yes", "release --yes"),
         ("call emergency_stop whatever=1", "stop"),
         ("call set_charging data=true", "charge"),
-        ("call set_charging data=no", "discharge"),
         ('call /set_charging {"data":true}', "charge"),
         ("call set_charging", "/set_charging needs data=true (charge) or data=false (discharge)"),
         ("call set_charging data=5", "data: not true or false: 5"),
         ("call set_charging data=true more=1", "/set_charging: expected data=..., not more=1"),
-        ("call other x=1", "call other x=1"),
         ("call emergency_stop --help", "call emergency_stop --help"),
         (
             "call /move_to_shelf/_action/send_goal goal.shelf_number=99",
@@ -96,11 +92,9 @@ TWIN = CommandService(id="zero", title="Zero", service="/reset_encoder")
     [
         ("call e_stop e_stop_on=true", E_STOP, "stop"),
         ('call /e_stop {"e_stop_on":true}', E_STOP, "stop"),
-        ("call e_stop e_stop_on=true --yes", E_STOP, "stop"),
         ("call e_stop e_stop_on=false", E_STOP, "release"),
         ("call e_stop --yes e_stop_on=no", E_STOP, "release --yes"),
         ("call e_stop", E_STOP, E_STOP_NEEDS),
-        ("call e_stop {}", E_STOP, E_STOP_NEEDS),
         ("call e_stop e_stop_on=maybe", E_STOP, "e_stop_on: not true or false: maybe"),
         ("call e_stop on=true", E_STOP, "/e_stop: expected e_stop_on=..., not on=true"),
         (
@@ -109,7 +103,6 @@ TWIN = CommandService(id="zero", title="Zero", service="/reset_encoder")
         ),
         ("call e_stop data=true", ONLY_STOPS, "stop"),
         ("call e_stop data=false", ONLY_STOPS, "/e_stop needs data=true (stop)"),
-        ("call e_stop", ONLY_STOPS, "/e_stop needs data=true (stop)"),
         ("call reset_encoder", LATCH, "/reset_encoder is called by several: type reset or zero"),
     ],
 )
@@ -133,17 +126,13 @@ async def test_a_release_asks_and_what_it_answers_is_told() -> None:
 CALLS = [  # Words, the STOP of the file, and whether they are one.
     ("call emergency_stop", LATCH, True),
     ("call north/emergency_stop x=1", LATCH, True),
-    ("call /north/emergency_stop --help now", LATCH, True),
     ("call --yes emergency_stop", LATCH, True),
     ("call /emergency_stop", LATCH, False),  # another robot's, perhaps
     ("call emergency_stop --help", LATCH, False),
-    ("call --help emergency_stop", LATCH, False),
-    ("call stop", LATCH, False),
     ("call", LATCH, False),
     ("params emergency_stop", LATCH, False),
     ("call e_stop e_stop_on=true", E_STOP, True),
     ("call north/e_stop e_stop_on=yes", E_STOP, True),
-    ("call --yes e_stop e_stop_on=true", E_STOP, True),
     ("call e_stop e_stop_on=false", E_STOP, False),
     ("call e_stop", E_STOP, False),
     ("call e_stop --help", E_STOP, False),

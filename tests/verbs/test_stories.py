@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.robot.outcome import WATCHING, data_of
+from archo_tui.robot.outcome import data_of
 from archo_tui.robot.state.readings import Pose
 from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.session.session import _robots_nodes
@@ -27,7 +27,7 @@ from tests.robots.rover import Counting
 from tests.support import clock
 from tests.support.archo import ARCHO
 from tests.support.clock import NOW
-from tests.support.console import LONG, console
+from tests.support.console import LONG
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
 from tests.support.stand_in import Made, StandIn
@@ -103,38 +103,13 @@ async def test_a_node_that_has_not_answered_is_no_node_without_that_parameter(he
     assert "known:" in (here / "a.yaml").read_text()
 
 
-async def test_the_key_that_saves_names_a_node_that_has_not_answered(here: Path) -> None:
-    async with console(node_makers=[known, mute], wait=False) as op:
-        await op.until(lambda: op.app.view.snapshot.parameters)
-        await op.press("escape", "4", "ctrl+s")
-        await op.until("ROS parameter file")
-        await op.press("enter")
-        await op.until("saved to archo_params.yaml; not saved, mute has not reported its")
-        await op.until("Save parameters")  # It stays open for a second try.
-
-
-async def test_what_a_file_says_of_others_is_left_out_said_and_a_failure(here: Path) -> None:
-    text = "motor_controller:\n  ros__parameters:\n    max_speed: 0.8\n    nosuch: 1\n"
-    (here / "a.yaml").write_text(text)
-    code, said = await plain("load a.yaml\n")
-    assert code == 1, said
-    assert said.endswith(
-        " failed: load: nothing was changed\n"
-        "left out: a.yaml:4: /motor_controller has no parameter nosuch\n"
-    )
-
-
 UNUSABLE = [
     ("load bad.yaml --yes", "nothing was changed: bad.yaml:3: motor_controller max_speed: "),
     ("load nosuch.yaml", "nosuch.yaml: cannot read the parameter file: No such file"),
-    ("load there", "there: not a regular file"),
     ("load ''", "type the name of a file"),
-    ("load ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
     ("save there --yes", "there: not a regular file"),
     ("save there", "there already exists. Overwrite it? (add --yes to do it)"),
     ("save nosuch/x.yaml", "nosuch/x.yaml: cannot write the file: No such file"),
-    ("save '' --yes", "type the name of a file"),
-    ("save ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
 ]
 
 
@@ -163,31 +138,6 @@ async def test_a_node_that_is_not_ours_or_runs_already_is_said() -> None:
     assert "failed: halt: nosuch does not run in this process\n" in said
     assert "failed: start: /dashboard is running" in said
     assert "dashbord does not run in this process (nearest: dashboard)" in said
-
-
-class Crashing(Node):
-    """Raises in its first callback."""
-
-    def __init__(self, **given: Any) -> None:
-        super().__init__("Crashing", **given)
-        self.create_timer(0.1, self._crash)
-
-    def _crash(self) -> None:
-        raise RuntimeError("boom")
-
-
-async def test_a_crash_is_an_alarm_that_is_shelved_and_a_node_that_is_started() -> None:
-    async with operated(Crashing) as person:
-        await person.until("alarm unacknowledged: ")
-        person.type("nodes\nalarms\nshelve 'node crashed /Crashing' it is known\nalarms\n")
-        await person.until(", shelved until ")
-        assert "Crashing crashed" in person.said
-        assert "crashed /Crashing: shelved for 10 min\n" in person.said
-        assert re.search(
-            r"crashed /Crashing, since [\d:]+, shelved until [\d:]+: it is known: ", person.said
-        )
-        await person.enter("shelve node", "crashed /Crashing: no longer shelved\n")
-        await person.enter("start Crashing", "YOU console: start /Crashing: ")
 
 
 async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -> None:
@@ -248,23 +198,11 @@ async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: st
         await person.until("failed: ack: no alarm to acknowledge")
 
 
-async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
-    async with silent("motor stop not confirmed") as person:
-        await person.until("alarm unacknowledged: CONTACT LOST")
-        person.type("shelve stop\nshelve stop the hardware stop is pressed\nalarms\n")
-        await person.until(": the hardware stop is pressed: ")
-    assert "failed: shelve: type a reason: it goes into the journal" in person.said
-    assert "stop not confirmed: shelved for 10 min\n" in person.said
-
-
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
         ("low", ""),
-        ("Low Bat", ""),
-        ("low battery", ""),
         ("low battery is dead", "is dead"),
-        ("low bat is dead", "is dead"),
         ("low in the workshop", "in the workshop"),
         ("'low battery' battery", "battery"),
     ],
@@ -503,10 +441,3 @@ async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
     assert "failed: log_level: no node /countign is on the graph (nearest: counting)" in said
     assert "loud is not a log level: one of unset, debug, info, warn, error, fatal" in said
     assert "does not offer the level of its log (in rclpy: enable_logger_service=True)" in said
-
-
-async def test_whoever_watches_sees_the_level_of_a_log_and_sets_none() -> None:
-    code, said = await plain("log_level dashboard\nlog_level dashboard debug\n", watch=True)
-    assert code == 1
-    assert "dashboard logs INFO and above, the level of its process" in said
-    assert f"failed: log_level: {WATCHING}" in said
