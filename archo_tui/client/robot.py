@@ -159,7 +159,7 @@ class Robot:
         """Find the console, without keeping a connection. See `archo_tui.connect`."""
         with find.choose({"to": to}) as console:
             self._path, self._card = console.path, console.card
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # A signal handler may call what it interrupts.
         self._connections: weakref.WeakSet[Connection] = weakref.WeakSet()
         self._handles: list[GoalHandle] = []
         self._is_closed = False
@@ -199,7 +199,7 @@ class Robot:
             connection.close()
         for handle in self._handles:
             handle._leave_to_parent()
-        self._lock, self._connections, self._handles = threading.Lock(), weakref.WeakSet(), []
+        self._lock, self._connections, self._handles = threading.RLock(), weakref.WeakSet(), []
 
     def status(self, timeout: float | None = None) -> Status:
         """Return the state of the robot, with its goal, queue and alarms, at this moment.

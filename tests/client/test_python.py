@@ -228,6 +228,7 @@ async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refuse
         await heard(person, "STOP: confirmed")
 
 
+@pytest.mark.real_time
 async def test_leaving_waits_for_the_cancel_of_a_goal_that_is_not_answered_yet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

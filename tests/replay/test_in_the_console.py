@@ -154,6 +154,21 @@ def test_one_that_is_suspended_leads_back_and_a_stop_pressed_meanwhile_is_sent(
     terminal.until("STOP: confirmed")
 
 
+def test_stopped_with_its_console_it_goes_on_whatever_a_shell_set(
+    playing: Callable[..., Terminal],
+) -> None:
+    terminal = playing()
+    both, raw = (_replay_of(terminal), terminal.pid), terminal.settings()
+    for process in both:
+        os.kill(process, signal.SIGSTOP)
+    terminal.change_settings(terminal.before)
+    for process in both:
+        os.kill(process, signal.SIGCONT)
+    terminal.until(lambda: terminal.settings() == raw)
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
+
+
 @pytest.mark.parametrize("hangs", [False, True], ids=["slow", "hanging"])
 def test_a_stop_pressed_as_the_console_ends_is_sent(
     playing: Callable[..., Terminal], hangs: bool

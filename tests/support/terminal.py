@@ -142,6 +142,10 @@ class Terminal:
         assert self._slave is not None
         return termios.tcgetattr(self._slave)
 
+    def change_settings(self, settings: list[Any]) -> None:
+        assert self._slave is not None
+        termios.tcsetattr(self._slave, termios.TCSANOW, settings)
+
     def hang_up(self) -> None:
         """The terminal is gone."""
         if self._slave is not None:

@@ -94,6 +94,22 @@ def test_it_is_suspended_and_comes_back_with_everything_drawn(start: Start) -> N
     assert terminal.is_as_before()
 
 
+def test_behind_a_stop_by_sigstop_a_shells_settings_hold_up_no_key(start: Start) -> None:
+    terminal = start()
+    terminal.kill(signal.SIGSTOP)
+    status = Path(f"/proc/{terminal.pid}/status")
+    terminal.until(lambda: "State:\tT" in status.read_text())
+    terminal.change_settings(terminal.before)  # As a shell does, before and behind `fg`.
+    terminal.output = b""
+    terminal.kill(signal.SIGCONT)
+    terminal.until("1 Battery")
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
+    terminal.write("\x11q")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+
+
 def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(start: Start) -> None:
     exact = [f"{name}:={value}" for name, value in (("drain_min", 0.02), ("drain_max", 0.02))]
     words = [word for text in (*exact, "publish_period:=0.05") for word in ("-p", text)]

@@ -43,6 +43,7 @@ _POLL, _POLL_FOR_ESCAPE = 0.1, 0.03  # Seconds; shorter while an escape may be a
 # ctrl+x under any layout. Text comes as text.
 _NO_MOUSE = "\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l"
 _ALTERNATE_KEYS = "\x1b[<u\x1b[>5u"
+_TAKEN_BACK = "\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[?7l"  # The screen, no cursor, focus, no wrap.
 
 
 class DriverApp(StopKeyOwner, Protocol):
@@ -183,6 +184,7 @@ class SteadyDriver(LinuxDriver):
         self._started = False
         self._is_setting_modes = True  # Such writes are never dropped.
         self._keeps_keys = self.is_lent = False
+        self._raw: Any = None  # The terminal's settings while this console reads it.
         self._empty_at = time.monotonic()  # In s: the last time when there was nothing to read.
         super().__init__(app, **options)
 
@@ -199,7 +201,10 @@ class SteadyDriver(LinuxDriver):
             self._writer = TerminalWriter(made.fileno(), self._on_output_drained, self._on_hang_up)
 
     def start_application_mode(self) -> None:
-        if self._started or self.is_lent:  # SIGCONT comes while another program draws, too.
+        if self.is_lent:  # SIGCONT comes while another program draws, too.
+            return
+        if self._started:  # It was stopped by SIGSTOP, unasked.
+            self._take_terminal_back()
             return
         self._is_setting_modes, self._keeps_keys = True, False
         # In the background Textual returns without starting, and without a writer.
@@ -209,6 +214,29 @@ class SteadyDriver(LinuxDriver):
         if not constants.DISABLE_KITTY_KEY:
             self.write(_ALTERNATE_KEYS)
         self._started, self._is_setting_modes = self._writer is not None, False
+        with contextlib.suppress(termios.error):
+            self._raw = termios.tcgetattr(self.fileno)
+
+    def _take_terminal_back(self) -> None:
+        """Set the modes again, if a shell that ran meanwhile has left its own behind.
+
+        With these, no key would be read before enter. In the background nothing is set.
+        """
+        try:
+            is_ours = termios.tcgetattr(self.fileno) == self._raw
+            if is_ours or os.tcgetpgrp(self.fileno) != os.getpgrp():
+                return
+            termios.tcsetattr(self.fileno, termios.TCSANOW, self._raw)
+        except (OSError, termios.error):  # The terminal is gone.
+            return
+        self._is_setting_modes = True
+        self.write(_TAKEN_BACK)
+        self._enable_mouse_support()
+        self._enable_bracketed_paste()
+        if not constants.DISABLE_KITTY_KEY:
+            self.write(_ALTERNATE_KEYS)
+        self._is_setting_modes = False
+        self._call_on_loop(self._console.repaint)
 
     def stop_application_mode(self) -> None:
         self._is_setting_modes = True
