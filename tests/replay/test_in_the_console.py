@@ -8,7 +8,9 @@ import shutil
 import signal
 import socket
 import termios
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from archo_tui.screen.keyed_app import HELD
 from tests.support import chosen
 from tests.support.console import LONG
 from tests.support.terminal import Terminal
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="the engine plays no part in it: one is enough"
@@ -175,14 +178,15 @@ def test_a_stop_pressed_as_the_console_ends_is_sent(
 ) -> None:
     terminal = playing()
     replay = _replay_of(terminal)
-    os.kill(replay, signal.SIGSTOP)
-    terminal.kill(signal.SIGTERM)
-    state = Path(f"/proc/{replay}/status")
-    terminal.until(lambda: _has_pending(state, signal.SIGTERM))
-    terminal.write("\x18")
+    with _held(replay) as is_continued:
+        terminal.kill(signal.SIGTERM)
+        terminal.until(is_continued)
+        terminal.write("\x18")
+        if hangs:
+            assert terminal.exit_code() == 128 + signal.SIGTERM
     if not hangs:
         os.kill(replay, signal.SIGCONT)
-    assert terminal.exit_code() == 128 + signal.SIGTERM
+        assert terminal.exit_code() == 128 + signal.SIGTERM
     lines = map(json.loads, state_file("journal.jsonl").read_text().splitlines())
     assert ("stop", "done") in [(line.get("verb"), line.get("code")) for line in lines]
 
@@ -233,7 +237,25 @@ def _replay_of(terminal: Terminal) -> int:
     return found
 
 
-def _has_pending(status: Path, number: signal.Signals) -> bool:
-    """Return True if a signal waits for a process."""
-    masks = [line for line in status.read_text().splitlines() if line.startswith("ShdPnd")]
-    return bool(int(masks[0].split()[1], 16) >> number - 1 & 1)
+@contextmanager
+def _held(process: int) -> Iterator[Callable[[], bool]]:
+    """Hold a process, also if it is continued; yield what tells whether it was."""
+    is_continued, is_over = threading.Event(), threading.Event()
+    status = Path(f"/proc/{process}/status")
+
+    def hold() -> None:
+        with suppress(OSError):  # It was killed.
+            os.kill(process, signal.SIGSTOP)
+            wait_until(lambda: "State:\tT" in status.read_text())
+            while not is_over.wait(0.001):
+                if "State:\tT" not in status.read_text():
+                    os.kill(process, signal.SIGSTOP)
+                    is_continued.set()
+
+    holding = threading.Thread(target=hold)
+    holding.start()
+    try:
+        yield is_continued.is_set
+    finally:
+        is_over.set()
+        holding.join()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -71,6 +72,8 @@ async def play(desk: Desk, recording: Recording) -> None:
 
     def end() -> None:
         process.terminate()
+        if sys.platform != "win32":
+            process.send_signal(signal.SIGCONT)  # It may have read a STOP just before.
         try:
             process.wait(_LAST)
         except subprocess.TimeoutExpired:  # It hangs, as on a disk.
