@@ -48,6 +48,7 @@ class Connection:
         self._buffer = b""
         self._number = 0
         self.socket = connected or _unix_socket()
+        _sockets.add(self.socket)
         self.socket.setblocking(False)
 
     def connect(self) -> bool:
@@ -216,6 +217,7 @@ class Connection:
 
     def close(self) -> None:
         """Close the connection: the console calls off what is still underway."""
+        _sockets.discard(self.socket)
         self.socket.close()
 
     def __enter__(self) -> Connection:
@@ -229,6 +231,19 @@ class Connection:
     def __del__(self) -> None:
         with contextlib.suppress(AttributeError):  # It was never made.
             self.close()  # An iterator over events was never begun.
+
+
+_sockets: set[socket.socket] = set()  # Of the connections that are not closed.
+
+
+def close_all() -> None:
+    """Close the copies that a forked child has of its parent's connections.
+
+    Else the console would not notice the end of the parent, and let its goals run on.
+    """
+    for copy in list(_sockets):
+        copy.close()
+    _sockets.clear()
 
 
 def is_result(reply: dict[str, Any]) -> bool:

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from archo_tui.client import find
-from archo_tui.client.connection import Connection, reach
+from archo_tui.client.connection import Connection, close_all, reach
 from archo_tui.client.errors import (
     ERRORS,
     Misused,
@@ -42,6 +42,7 @@ class GoalHandle:
 
     def __init__(self, console: Connection, replies: Iterator[dict[str, Any]]) -> None:
         self._console, self._replies = console, replies
+        _handles.add(self)
         self._is_answered, self._has_ended = threading.Event(), threading.Event()
         self._is_accepted = False
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
@@ -191,14 +192,7 @@ class Robot:
             connection.shut_down()
 
     def _leave_to_parent(self) -> None:
-        """Close a forked child's copies of the parent's connections, and end its goal handles.
-
-        Else the console would not notice the end of the parent, and let its goals run on.
-        """
-        for connection in self._connections:
-            connection.close()
-        for handle in self._handles:
-            handle._leave_to_parent()
+        """Give a forked child's copy its own lock, which a thread of the parent may hold."""
         self._lock, self._connections, self._handles = threading.RLock(), weakref.WeakSet(), []
 
     def status(self, timeout: float | None = None) -> Status:
@@ -423,10 +417,14 @@ class Robot:
 
 
 _robots: weakref.WeakSet[Robot] = weakref.WeakSet()
+_handles: weakref.WeakSet[GoalHandle] = weakref.WeakSet()
 
 
 def _leave_to_parent() -> None:
-    for robot in _robots:
+    close_all()
+    for handle in list(_handles):
+        handle._leave_to_parent()
+    for robot in list(_robots):
         robot._leave_to_parent()
 
 

@@ -370,13 +370,32 @@ with archo_tui.connect() as robot:
     print("forked", flush=True)
     time.sleep(600)
 """
+FORKS_WITHOUT_ITS_ROBOT = """
+import os, sys, time
+import archo_tui
+goal = archo_tui.connect().go(12)
+if not os.fork():
+    try:
+        goal.wait(9)
+    except archo_tui.Unreached:
+        print("Unreached", flush=True)
+    sys.stdin.read()
+    os._exit(0)
+print("forked", flush=True)
+time.sleep(600)
+"""
 
 
 @pytest.mark.real_time
-def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
-    with beside_console(FORKS) as (script, python):
+@pytest.mark.parametrize(
+    ("program", "told"),
+    [(FORKS, "Unreached Unreached shelf 12\n"), (FORKS_WITHOUT_ITS_ROBOT, "Unreached\n")],
+    ids=["robot", "goal alone"],
+)
+def test_a_goal_ends_with_its_program_and_not_with_a_forked_one(program: str, told: str) -> None:
+    with beside_console(program) as (script, python):
         said = {python.stdout.readline(), python.stdout.readline()}
-        assert said == {"forked\n", "Unreached Unreached shelf 12\n"}
+        assert said == {"forked\n", told}
         script._read()
         assert "goal CANCELLED" not in script.said
         python.kill()
