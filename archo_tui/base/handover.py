@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 _VARIABLE = "ARCHO_TUI_HANDOVER"  # Names the file with the record.
 # Names the descriptor of the socket to the console in whose terminal a replay runs.
 CONSOLE_SOCKET = "ARCHO_TUI_CONSOLE_SOCKET"
+STOP_KEY = "ARCHO_TUI_STOP_KEY"  # That console's, whatever the keymap's file says since then.
 READY, GO, STOP = b"r", b"g", b"s"  # It could draw; it may; STOP's key was pressed.
 
 

@@ -116,7 +116,7 @@ def replay(options: Namespace) -> int:
         for line in report_lines(bag, robot):
             print(safe(line))
         return 0
-    from archo_tui.base.handover import CONSOLE_SOCKET, GO, READY
+    from archo_tui.base.handover import CONSOLE_SOCKET, GO, READY, STOP_KEY
     from archo_tui.base.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.base.paths import config_file
     from archo_tui.recordings.replay.station import RecordedStation
@@ -127,6 +127,7 @@ def replay(options: Namespace) -> int:
     from archo_tui.station.shutdown import heed_signals
 
     keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
+    keys["stop"] = os.environ.get(STOP_KEY, keys["stop"])
     heed_signals()
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()

@@ -116,7 +116,7 @@ class Kind(NamedTuple):
     condition: Condition
     delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
     off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
-    graver: str = ""  # The alarm that replaces it: both may have one cause.
+    graver: str = ""  # The alarm that replaces it, and whose condition excludes its own.
     is_reported: bool = False  # By the robot: without contact it stays as it is.
     has_own_topic: bool = False  # It is evaluated without contact, too.
     is_silence: bool = False  # About silence: after a suspension it is our own.

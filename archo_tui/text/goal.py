@@ -111,9 +111,9 @@ def _in_rows(line: Spans, above: Spans, below: Spans, rows: int) -> list[Spans]:
 
 def known_length(goal: Goal | None) -> float | None:
     """Return the length of a goal's way in its unit; None if its progress is not known."""
-    if goal is None or goal.remaining is None or goal.phase in (Phase.SENT, Phase.REFUSED):
+    if goal is None or goal.remaining is None or goal.unreadable:
         return None
-    return goal.length or None
+    return None if goal.phase in (Phase.SENT, Phase.REFUSED) else goal.length or None
 
 
 def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
@@ -240,7 +240,7 @@ def time_left_text(goal: Goal, now: float) -> str:
 
 def _cancelled_details(goal: Goal) -> str:
     """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`."""
-    if goal.remaining is None:
+    if goal.remaining is None or goal.unreadable:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
     return f"{goal.message}, {_way(goal, goal.remaining)} {where}"

@@ -21,6 +21,7 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
 from archo_tui.base.errors import ArchoError
+from archo_tui.client.connection import Connection
 from archo_tui.client.errors import data_or_raise
 from archo_tui.client.robot import GoalHandle, Robot
 from archo_tui.console import session
@@ -254,6 +255,26 @@ async def test_leaving_waits_for_the_cancel_of_a_goal_that_is_not_answered_yet(
         assert goal.phase is Phase.CANCELLED
         with pytest.raises(Cancelled):
             (await going).wait()
+
+
+@pytest.mark.real_time
+async def test_a_signal_handler_may_close_the_robot_in_the_middle_of_go(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(ros_args=LONG):
+        await typed("wait", "ready")
+        robot = await asyncio.to_thread(archo_tui.connect)
+        request = Connection.request
+
+        def interrupted(*given: Any, **fields: Any) -> Any:
+            replies = request(*given, **fields)
+            robot.close()  # On the same thread, as a handler runs.
+            return replies
+
+        monkeypatch.setattr(Connection, "request", interrupted)
+        with pytest.raises(Unreached):
+            await asyncio.to_thread(robot.go, 12)
+        await typed("wait", "idle")
 
 
 # ctrl+c and threads

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.base.handover import CONSOLE_SOCKET, STOP
-from archo_tui.base.paths import state_file
+from archo_tui.base.paths import config_file, state_file
 from archo_tui.recordings.replay.station import ConsoleStops
 from archo_tui.screen.keyed_app import HELD
 from tests.support import chosen
@@ -103,6 +103,19 @@ def test_stop_is_for_the_robot_and_leads_back(playing: Callable[..., Terminal]) 
     terminal.resize(120, 36)  # There is room for what was said meanwhile.
     terminal.until("STOP: confirmed")
     terminal.until("shelf 7 aborted")
+
+
+def test_a_keymap_saved_meanwhile_changes_no_key_of_stop(
+    listed: Callable[..., Terminal],
+) -> None:
+    terminal = listed(typed="7\r", until="MOVING")
+    config_file("keymap.yaml").parent.mkdir(parents=True, exist_ok=True)
+    config_file("keymap.yaml").write_text("stop: f9\n")
+    terminal.write("\r")
+    terminal.until("REPLAY")
+    terminal.until("Speed")
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
 
 
 def test_a_stop_is_sent_to_the_console_as_it_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -161,7 +161,10 @@ def test_a_robot_just_behind_its_goal_has_nothing_left() -> None:
     assert remaining_text(MOVING._replace(remaining=-0.04)) == "0.0 m left"
 
 
-@pytest.mark.parametrize("goal", [None, MOVING._replace(phase=Phase.SENT, remaining=None)])
+SENT, UNREADABLE = MOVING._replace(phase=Phase.SENT), MOVING._replace(unreadable="nan")
+
+
+@pytest.mark.parametrize("goal", [None, SENT._replace(remaining=None), UNREADABLE])
 def test_a_way_that_is_not_known_has_no_robot_on_it(goal: object) -> None:
     assert rows(goal, 20) == ["", "────────────     --", ""]
 

@@ -18,7 +18,7 @@ from textual.binding import Binding
 
 from archo_tui.base.daemon_threads import in_daemon
 from archo_tui.base.errors import ArchoError
-from archo_tui.base.handover import CONSOLE_SOCKET, GO
+from archo_tui.base.handover import CONSOLE_SOCKET, GO, STOP_KEY
 from archo_tui.base.system import command_line, is_suspended
 from archo_tui.recordings import store
 from archo_tui.recordings.store import Recording, length_size_and_why
@@ -60,6 +60,7 @@ async def play(desk: Desk, recording: Recording) -> None:
     loop, gate, before = asyncio.get_running_loop(), desk.stops.gate(), grave_alarms(desk)
 
     def start() -> subprocess.Popen[bytes]:
+        handed = {CONSOLE_SOCKET: str(its.fileno()), STOP_KEY: desk.stop_key}
         with its:
             return subprocess.Popen(
                 command_line(["replay", recording.name]),
@@ -67,7 +68,7 @@ async def play(desk: Desk, recording: Recording) -> None:
                 stdout=sys.__stdout__,
                 stderr=sys.__stderr__,
                 pass_fds=[its.fileno()],
-                env={**os.environ, CONSOLE_SOCKET: str(its.fileno())},
+                env=os.environ | handed,
             )
 
     def end() -> None:
