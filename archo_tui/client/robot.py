@@ -245,6 +245,7 @@ class Robot:
         seconds, console = checked_timeout(timeout), self._connect()
         try:
             with self._lock:  # `close` knows each goal that was sent.
+                self._require_open()
                 replies = console.request(seconds, words=words, wait=True, feedback=True)
                 handle = GoalHandle(console, replies)
                 self._handles = [handle for handle in self._handles if not handle.done()] + [handle]
@@ -404,11 +405,16 @@ class Robot:
         console = reach(self._path)
         with self._lock:
             self._connections.add(console)
-            is_closed = self._is_closed
-        if is_closed:
+        try:
+            self._require_open()
+        except Misused:
             console.close()
-            raise Misused("this robot was closed: connect() again")
+            raise
         return console
+
+    def _require_open(self) -> None:
+        if self._is_closed:
+            raise Misused("this robot was closed: connect() again")
 
     def _follow(self, timeout: float | None, *words: str) -> Iterator[dict[str, Any]]:
         """Yield replies until the time is over, from now on also if nothing is read of them yet."""

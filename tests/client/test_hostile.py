@@ -363,3 +363,22 @@ def test_another_protocol_is_said(hello: Any) -> None:
     assert re.search(r"protocol|does not answer", console.fault(1.0))
     for one in (ours, theirs):
         one.close()
+
+
+async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_connected() -> None:
+    async with served(ros_args=LONG) as person:
+        one = await raw()
+        one.send(
+            *(
+                {"id": n, "words": ["set", "motor_controller", "max_speed", f"1.{n}"]}
+                for n in range(9)
+            )
+        )
+        await heard(person, "max_speed 1.0")
+        one.close()
+        station = person.station
+        await until(lambda: not station.clients)
+        for _ in range(20):
+            await typed("status")
+        assert "max_speed 1.8" not in person.said
+        await until(lambda: not station.clients)

@@ -444,3 +444,15 @@ def test_a_console_that_wakes_stops_though_whoever_said_so_was_killed(killed: in
         stop.communicate(timeout=DEADLINE)
         script.signal(signal.SIGCONT)
         script.until("STOP: confirmed")
+
+
+async def test_a_name_that_another_console_has_is_not_taken() -> None:
+    with listening("/") as (made, hello):
+        (path,) = sockets.socket_paths()
+        assert sockets.read_card(path) == hello
+        with pytest.raises(FileExistsError):
+            server.open_socket(hello)
+        connected = reached(path)
+        made.setblocking(True)
+        made.accept()[0].close()
+        connected.close()

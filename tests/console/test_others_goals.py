@@ -86,6 +86,12 @@ async def test_what_would_touch_another_clients_goal_asks_first() -> None:
         await op.until("MOVING (another client's goal)")
         await op.press("r")
         await op.until("The robot is carrying out another client's goal. Reset")
+        await op.press("n", "q")
+        await op.until("the nodes of this console would")
+        await op.press("n", "5", "home", "down", "down", "s")
+        await op.until("carrying out another client's goal, and")
+        await op.press("n", "ctrl+z")
+        await op.until("its nodes would")
         await op.press("n")
         await op.settle()
         assert other.told == []

@@ -278,3 +278,13 @@ async def test_a_stop_that_no_node_serves_is_said_in_time_and_never_called_sent(
         await until(lambda: person.said.count(failed) == 2)
         assert clock.seconds() - began < 2.5
     assert "STOP SENT" not in person.said
+
+
+async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
+    async with operated(Cart, robot=CART) as person:
+        await person.enter("go 12 7", "drives to 12")
+        await person.enter("stop", "queue held: 7")
+        assert await person.end("continue\nstop\n") == 1
+    assert f"failed: continue: {VOID}" in person.said
+    assert "not driven: 7" in person.said
+    assert "drives to 7" not in person.said

@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import socket
+import sys
 import termios
 import threading
 from collections.abc import Callable, Iterator
@@ -114,6 +115,23 @@ def test_a_keymap_saved_meanwhile_changes_no_key_of_stop(
     terminal.write("\r")
     terminal.until("REPLAY")
     terminal.until("Speed")
+    terminal.write("\x18")
+    terminal.until("STOP: confirmed")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits another process")
+def test_where_none_can_begin_the_screen_says_so_and_goes_on(
+    listed: Callable[..., Terminal],
+) -> None:
+    import resource
+
+    terminal = listed()
+    limits = resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE)
+    resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE, (3, limits[1]))
+    terminal.write("\r")
+    terminal.until("not played: Too many open files")
+    resource.prlimit(terminal.pid, resource.RLIMIT_NOFILE, limits)
+    terminal.read_for(2 * HELD)
     terminal.write("\x18")
     terminal.until("STOP: confirmed")
 

@@ -441,3 +441,12 @@ async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
     assert "failed: log_level: no node /countign is on the graph (nearest: counting)" in said
     assert "loud is not a log level: one of unset, debug, info, warn, error, fatal" in said
     assert "does not offer the level of its log (in rclpy: enable_logger_service=True)" in said
+
+
+async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
+    async with silent("motor stop not confirmed") as person:
+        await person.until("alarm unacknowledged: CONTACT LOST")
+        person.type("shelve stop\nshelve stop the hardware stop is pressed\nalarms\n")
+        await person.until(": the hardware stop is pressed: ")
+    assert "failed: shelve: type a reason: it goes into the journal" in person.said
+    assert "stop not confirmed: shelved for 10 min\n" in person.said
