@@ -19,6 +19,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 import archo_tui
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot_file.load import load
@@ -266,6 +267,17 @@ async def moving(it: Robot) -> None:
 
 def phase_of(it: Robot) -> Phase | None:
     return None if it.snapshot.goal is None else it.snapshot.goal.phase
+
+
+async def test_every_goal_is_cancelled_and_that_is_called_no_stop() -> None:
+    async with robot(Rover, robot=FILE) as it:
+        await moving(it)
+        it.stops.register()
+        outcome = await ended(it.emergency_stop())
+        assert outcome == (Code.NOT_OFFERED, f"{NONE}cancelling 1 goal)")
+        await until(lambda: phase_of(it) is Phase.CANCELLED)
+        assert it.stops.are_answered
+        assert not it.snapshot.is_stopped
 
 
 class Silent(Node):
