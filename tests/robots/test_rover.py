@@ -308,7 +308,9 @@ async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> No
         stop = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: phase_of(it) is Phase.CANCELLED)
         assert not stop.done()
+        it.stops.register()  # One that is read meanwhile is answered with it.
         outcome = await ended(stop)
+        assert it.stops.are_answered
         assert outcome.text == f"{NONE}no answer to the cancel in 2 s: /asleep)"
         assert made.node.asked == 1
         made.node.awake.set_result(True)
