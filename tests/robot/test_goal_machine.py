@@ -267,6 +267,21 @@ def test_a_cancel_that_failed_returns_to_the_phase_before(before: Phase) -> None
     assert twice.cancel_accepted().goal.phase is Phase.CANCELLING
 
 
+@pytest.mark.parametrize(("cancels", "phase"), [(1, Phase.LOST), (2, Phase.CANCELLING)])
+def test_a_yes_to_a_cancel_is_one_answer_less_that_is_awaited(cancels: int, phase: Phase) -> None:
+    goal = accepted()
+    for _ in range(cancels):
+        goal = goal.cancelling(NOW)
+    again = goal.cancel_accepted().fire(Event.SILENT, NOW).cancelling(NOW)
+    assert again.cancel_failed(NOW, is_rejected=False).goal.phase is phase
+
+
+def test_a_cancel_that_fails_behind_the_yes_to_another_changes_nothing() -> None:
+    taken = accepted().cancelling(NOW).cancelling(NOW).cancel_accepted()
+    failed = taken.cancel_failed(NOW + 1.0, is_rejected=False)
+    assert (failed.goal, failed.awaited) == (taken.goal, 0)
+
+
 # Goals of others.
 
 

@@ -261,6 +261,27 @@ def test_a_list_is_held_by_what_fails_or_a_later_refusal() -> None:
         assert ([goal.text for goal in after.waiting], after.hold_reason) == ([waiting], reason)
 
 
+@pytest.mark.parametrize(
+    ("outcome", "by", "has_left", "is_cancelled"),
+    [
+        (YES, SHELL, False, False),
+        (YES, SHELL, True, True),
+        (SILENT, YOU, False, False),
+        (SILENT, SHELL, False, True),
+        (SILENT, SHELL, True, True),
+        (SILENT, YOU, True, True),
+        (REFUSED, SHELL, False, False),
+        (REFUSED, SHELL, True, False),
+    ],
+)
+def test_a_goal_that_may_run_for_nobody_is_cancelled(
+    outcome: Outcome, by: Requester, has_left: bool, is_cancelled: bool
+) -> None:
+    over = typed(1, by=by).hand_over()
+    after = (over.leave(by) if has_left else over).answered(outcome)
+    assert (QueueEffect.CANCEL in [deed.do for deed in after.todo]) is is_cancelled
+
+
 # Those that leave.
 
 

@@ -6,6 +6,7 @@ import asyncio
 import gc
 from collections import Counter
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -35,6 +36,8 @@ from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot, texts
 from tests.support.ros import begin
 from tests.support.stand_in import Made, Other, StandIn, beside
+from tests.support.states import STATES
+from tests.support.stub import StubRobot, stub_station
 
 PACE = 1.2  # s: as 500 goals in ten minutes
 Arriving = partial(Made, StandIn, goals="arrive")
@@ -314,6 +317,24 @@ async def test_one_whose_server_is_still_looked_for_is_never_sent(hesitant: Made
         assert await ended(going) == (Code.CANCELLED, NEVER_LEFT)
 
 
+async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
+    hesitant: Made[Hesitant],
+) -> None:
+    async with operated(hesitant) as person:
+        station = person._plain._station
+        await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
+        goals = [QueuedGoal(SHELF, {"shelf_number": number}) for number in (12, 7)]
+        answer = station.goals.drive(goals)
+        goal = station.running_goal
+        assert goal is not None
+        assert (goal.name, goal.phase) == ("shelf 12", Phase.SENT)
+        assert await station.goals.cancel() == (Code.ACCEPTED, NEVER_LEFT)
+        assert await ended(answer) == (Code.CANCELLED, NEVER_LEFT)
+        assert station.queue.hold_reason == "cancelled"
+        assert station.running_goal is None
+        assert hesitant.node.seen == 0
+
+
 async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
     hesitant: Made[Hesitant],
 ) -> None:
@@ -328,6 +349,17 @@ async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
         hesitant.node.answer()
         await op.until("held: 7 (cancelled)")
         assert op.app.view.snapshot.history[0].phase == Phase.CANCELLED
+
+
+async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> None:
+    station = stub_station(StubRobot(STATES["normal"]))
+    face: Any = SimpleNamespace(carry_out=lambda _: None)  # It ends before it begins anything.
+    station.attach(face)
+    station.goals.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
+    assert station.running_goal is not None
+    station.detach()
+    station.attach(face)
+    assert station.running_goal is None
 
 
 # Nothing is heard of it any more: its server falls silent, or its node has gone.

@@ -117,6 +117,21 @@ async def test_a_stop_that_was_refused_is_sent_again_until_there_is_a_yes() -> N
         assert len(a.node.stops) == asked
 
 
+async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
+    dazed = Made(StandIn, "dazed", "nothing", latches=True, moving=False)
+    async with robot(dazed) as it:
+        await until(lambda: it.snapshot.motion.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        await while_passes(3.0)
+        dazed.node.stopped = True
+        await until(lambda: it.snapshot.motion.stopped)
+        dazed.node.wake()  # what was sent before is answered, too
+        await while_passes(6.0)
+        assert not any("another client" in text for text in texts(it))
+        told = [text for text in texts(it) if text.startswith(("STOP, ", "STOP: the robot says"))]
+        assert told == ["STOP: the robot says that it is stopped"]
+
+
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
     host = Made(Node, "somebody")
     async with robot(host) as it:

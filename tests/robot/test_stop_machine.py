@@ -428,3 +428,13 @@ def test_it_is_held_by_nobody_once_all_that_can_hold_it_have_ended_here(
 def test_one_of_an_ended_nodes_namesake_elsewhere_is_held() -> None:
     stop = held_by(held_by(Stop(), RUNS, motor=HERE), ENDED, motor=ELSEWHERE)
     assert not stop.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
+
+
+def test_a_last_report_or_anothers_release_does_not_put_ended_nodes_elsewhere() -> None:
+    stop, says = held_by(Stop(), RUNS, motor=HERE), Motion(stopped=True)
+    ended = stop.served_by(NOBODY, ENDED, 9.0).moved(says, 9.0, NOBODY, ENDED)
+    assert ended.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody
+    reporting = stop.moved(says, 9.0, NOBODY, RUNS).served_by(NOBODY, ENDED, 9.0)
+    released = reporting.released_elsewhere("other", 9, 9.0)
+    assert released.latch is Latch.UNCERTAIN
+    assert released.served_by(NOBODY, ENDED, 9.0).is_held_by_nobody

@@ -19,6 +19,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 import archo_tui
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot_file.load import load
@@ -268,6 +269,17 @@ def phase_of(it: Robot) -> Phase | None:
     return None if it.snapshot.goal is None else it.snapshot.goal.phase
 
 
+async def test_every_goal_is_cancelled_and_that_is_called_no_stop() -> None:
+    async with robot(Rover, robot=FILE) as it:
+        await moving(it)
+        it.stops.register()
+        outcome = await ended(it.emergency_stop())
+        assert outcome == (Code.NOT_OFFERED, f"{NONE}cancelling 1 goal)")
+        await until(lambda: phase_of(it) is Phase.CANCELLED)
+        assert it.stops.are_answered
+        assert not it.snapshot.is_stopped
+
+
 class Silent(Node):
     """Serves an action that the robot file does not name, and answers no cancel."""
 
@@ -296,7 +308,9 @@ async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> No
         stop = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: phase_of(it) is Phase.CANCELLED)
         assert not stop.done()
+        it.stops.register()  # One that is read meanwhile is answered with it.
         outcome = await ended(stop)
+        assert it.stops.are_answered
         assert outcome.text == f"{NONE}no answer to the cancel in 2 s: /asleep)"
         assert made.node.asked == 1
         made.node.awake.set_result(True)

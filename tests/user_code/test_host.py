@@ -6,7 +6,9 @@ import os
 import re
 import sys
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -59,6 +61,16 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
         assert "in explode" in bad.state.traceback
         seen = good.node.count  # type: ignore[attr-defined]
         wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good"])
+
+
+def test_none_of_archos_own_is_made_beside_a_programs_node_of_its_name() -> None:
+    """A slow program may make it between the look for such nodes and the making of ARCHO's own."""
+    with running(node_makers=(Good,), only=False) as session:
+        program: Any = SimpleNamespace(is_stopping=False)
+        assert session.host._make_way(program, "/late") == ""
+        session.host.add(partial(Node, "late"))
+        assert session.host.names() == ["/good"]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good"])
 
 

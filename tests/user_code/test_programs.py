@@ -715,6 +715,14 @@ def test_a_daemon_that_a_program_has_started_ends_with_it() -> None:
 
 
 @IN_A_PROCESS
+def test_a_child_that_cannot_be_ended_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("archo_tui.user_code.child.kill_marked", lambda _: [7, 11])
+    with running(written("parent.py", "print(1)")) as session:
+        text = "has ended, but not what it has started: end process 7, 11 yourself"
+        wait_until(lambda: text in texts(session))
+
+
+@IN_A_PROCESS
 def test_a_program_ends_with_a_console_that_is_killed() -> None:
     file = talker()
     # Elsewhere what has left its group is not known.
