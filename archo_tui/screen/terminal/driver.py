@@ -43,7 +43,11 @@ _POLL, _POLL_FOR_ESCAPE = 0.1, 0.03  # Seconds; shorter while an escape may be a
 # ctrl+x under any layout. Text comes as text.
 _NO_MOUSE = "\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l"
 _ALTERNATE_KEYS = "\x1b[<u\x1b[>5u"
-_TAKEN_BACK = "\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[?7l"  # The screen, no cursor, focus, no wrap.
+# The second screen, no cursor, focus, mouse, marked pastes, no wrap: as Textual begins.
+_MODES = (
+    "\x1b[?1049h\x1b[?25l\x1b[?1004h"
+    "\x1b[?1000h\x1b[?1003h\x1b[?1015h\x1b[?1006h\x1b[?2004h\x1b[?7l"
+)
 
 
 class DriverApp(StopKeyOwner, Protocol):
@@ -230,9 +234,7 @@ class SteadyDriver(LinuxDriver):
         except (OSError, termios.error):  # The terminal is gone.
             return
         self._is_setting_modes = True
-        self.write(_TAKEN_BACK)
-        self._enable_mouse_support()
-        self._enable_bracketed_paste()
+        self.write(_MODES)
         if not constants.DISABLE_KITTY_KEY:
             self.write(_ALTERNATE_KEYS)
         self._is_setting_modes = False
