@@ -45,8 +45,7 @@ _NO_MOUSE = "\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l"
 _ALTERNATE_KEYS = "\x1b[<u\x1b[>5u"
 # The second screen, no cursor, focus, mouse, marked pastes, no wrap: as Textual begins.
 _MODES = (
-    "\x1b[?1049h\x1b[?25l\x1b[?1004h"
-    "\x1b[?1000h\x1b[?1003h\x1b[?1015h\x1b[?1006h\x1b[?2004h\x1b[?7l"
+    "\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[?1000h\x1b[?1003h\x1b[?1015h\x1b[?1006h\x1b[?2004h\x1b[?7l"
 )
 
 
