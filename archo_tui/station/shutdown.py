@@ -71,6 +71,7 @@ class Shutdown:
         self._answers = answers
         self._on_disconnect, self._end = on_disconnect, end
         self._task: asyncio.Task[None] | None = None
+        self._code = 0  # With which it ends.
 
     def begin_on_signals(self) -> None:
         """Call `begin` on a signal from now on, and at once if one came; on the event loop."""
@@ -88,9 +89,15 @@ class Shutdown:
         return self._task is not None
 
     def begin(self, code: int) -> None:
-        """Handle the running goal and then end, once; call it on the event loop."""
+        """Handle the running goal and then end, once; call it on the event loop.
+
+        What ends a console that is about to restart ends it for good.
+        """
         if self._task is None:
+            self._code = code
             self._task = asyncio.create_task(self._end_in_order(code))
+        elif self._code == RESTART:
+            self._code = code
 
     def call_off(self) -> None:
         """Go on with the console: call it in `end`, in place of the end."""
@@ -104,7 +111,7 @@ class Shutdown:
         if self._answers is not None:
             with contextlib.suppress(TimeoutError):
                 await self._clock.wait_for(self._answers(), WAIT)
-        self._end(code)
+        self._end(self._code)
 
 
 class _FirstSignal:

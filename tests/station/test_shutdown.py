@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 
 from archo_tui.base.clock import Clock
+from archo_tui.base.system import HANG_UP
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.station.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
+from archo_tui.station.shutdown import CANCEL, LEAVE, RESTART, WAIT, Shutdown, let_go
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.console import console_with
@@ -82,6 +83,16 @@ async def test_a_second_signal_does_not_begin_again() -> None:
         await asyncio.sleep(0)
     assert codes == [143]
     assert len(it.said) == 1
+
+
+async def test_a_terminal_that_is_lost_as_a_restart_begins_ends_the_console() -> None:
+    ends: list[int] = []
+    ending = Shutdown(Robot(NORMAL), Clock(), CANCEL, ends.append)  # type: ignore[arg-type]
+    ending.begin(RESTART)
+    ending.begin(HANG_UP)
+    ending.begin(RESTART)
+    await until(lambda: ends)
+    assert ends == [HANG_UP]
 
 
 def late(**options: Any) -> Made[StandIn]:
