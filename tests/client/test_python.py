@@ -385,10 +385,10 @@ with archo_tui.connect() as robot:
     if not os.fork():
         with robot:
             said = told(lambda: goal.wait(9)), told(goal.cancel), robot.status().goal.name
-            print(*said, flush=True)
+            os.write(1, f"{' '.join(said)}\\n".encode())
         sys.stdin.read()
         os._exit(0)
-    print("forked", flush=True)
+    os.write(1, b"forked\\n")
     time.sleep(600)
 """
 FORKS_WITHOUT_ITS_ROBOT = """
@@ -399,10 +399,10 @@ if not os.fork():
     try:
         goal.wait(9)
     except archo_tui.Unreached:
-        print("Unreached", flush=True)
+        os.write(1, b"Unreached\\n")
     sys.stdin.read()
     os._exit(0)
-print("forked", flush=True)
+os.write(1, b"forked\\n")
 time.sleep(600)
 """
 
